@@ -25,7 +25,9 @@ from stickslip.calibration.spec import LoopSpec
 from stickslip.detect.chances import chance
 from stickslip.detect.judge.answer import Amount
 from stickslip.detect.judge.features.network import one_look
+from stickslip.detect.judge.features.view import View
 from stickslip.detect.judge.model import rounded
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.processes import one_thread, processes
 
@@ -99,7 +101,7 @@ def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: in
     See also: ``conditions`` for what is taken from the record.
     """
     begun = time.perf_counter()
-    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece, one_look))]
+    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece, _looked))]
     if not looks:
         conditions(record)  # says what is wrong, where it is that
         raise ValueError("the record shows too little for any feature; give a longer one in which OP and PV move")
@@ -166,7 +168,7 @@ def _joined(tables: Sequence[Table]) -> Table:
 
 def made_of(specs: Sequence[LoopSpec]) -> Table:
     """Return the network's scores and truth of loops, in this process."""
-    return table(simulate(specs, workers=1), one_look)
+    return table(simulate(specs, workers=1), _looked)
 
 
 def _measured(piece: LoopRecord) -> Conditions | None:
@@ -198,3 +200,8 @@ def _told(found: Reading, record: LoopRecord, travel: float, seen: Conditions, b
 def _amount(size: tuple[float, float, float], scale: float, unit: str) -> Amount:
     value, low, high = size
     return Amount(scale * value, scale * low, scale * high, unit)
+
+
+def _looked(_: Prepared, view: View) -> dict[str, float]:
+    """One look of the network at a view."""
+    return one_look(view)

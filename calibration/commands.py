@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
-import numpy as np
+from stickslip.calibration.laws import Law
 from stickslip.calibration.spec import Kinds, Setting
 
 
@@ -18,28 +18,27 @@ from stickslip.calibration.spec import Kinds, Setting
 class Source:
     """Loops of one law: its first seed, which kinds of loop (``draw``), how many."""
 
-    law: Setting
+    law: Law
     seed: int
     kinds: Kinds
     loops: int
 
 
-# What is learnt from: to fit patterns, the network, trees, and the calibration.
-PATTERNS = (
-    Source("training", 10_001, "usual", 15_500), Source("creeping", 31_000, "usual", 15_500),
-    Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
-)  # fmt: skip
-NETWORK = (
+# What is learnt from: to fit a network from nothing, to go on with that one, trees, and the calibration.
+FIRST = (
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
     Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
     Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
 )  # fmt: skip
-TREES = (
-    Source("training", 20_000, "usual", 20_000), Source("creeping", 30_000, "usual", 10_000),
-    Source("training", 42_000, "moved", 6000), Source("creeping", 43_000, "moved", 6000),
+AGAIN = (
+    Source("crossed", 1000, "usual", 10_000), Source("training", 70_000, "usual", 3_000),
+    Source("creeping", 70_100, "usual", 2_000),
 )  # fmt: skip
-HOLDING = (Source("training", 20_040, "usual", 2000), Source("creeping", 30_060, "usual", 2000))
-KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
+PASSES = 4  # over the loops of ``AGAIN``
+TREES = (
+    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 2000),
+)  # fmt: skip
+HOLDING = (Source("crossed", 30, "usual", 1000), Source("training", 84_220, "usual", 1000))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -50,7 +49,7 @@ def _total(sources: Sequence[Source]) -> int:
 
 def _parts(sources: Sequence[Source], loops: int, part: int) -> list[tuple[Source, int]]:
     """How many parts of each source there are, where ``loops`` are asked for in all; at least one."""
-    return [(one, max(round(loops * one.loops / _total(sources) / part), 1)) for one in sources]
+    return [(one, max(loops * one.loops // (_total(sources) * part), 1)) for one in sources]
 
 
 def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | None) -> Any:
@@ -66,31 +65,20 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
         raise click.UsageError(str(error)) from None
 
 
-def _read_out(folder: Path, loops: int, workers: int | None) -> None:
-    """Fit the patterns, which the features of all loops contain, and write the shipped file."""
-    from stickslip.calibration.patterns import LIMITED, PART, fit, kernels, pooled_loops, views
-    from stickslip.detect.judge.features.patterns import FILE
-
-    odd, even = kernels([view for view, _ in views(KERNELS)][:LIMITED])
-    pooled = [
-        pooled_loops(folder / f"patterns_{one.law}_{one.seed}", one.seed, count, odd, even, workers, one.law, one.kinds)
-        for one, count in _parts(PATTERNS, loops, PART)
-    ]
-    x, group = (np.concatenate(both) for both in zip(*pooled, strict=True))
-    fit(x, group, odd, even, click.echo).write(FILE)
-
-
-def _network(folder: Path, loops: int, workers: int | None) -> None:
+def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) -> None:
     """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
+    from stickslip.calibration.network import PASSES as FROM_NOTHING
     from stickslip.calibration.network import fit
     from stickslip.calibration.signals import PART, Examples, examples
-    from stickslip.detect.judge.features.network import FILE
+    from stickslip.detect.judge.features.network import FILE, Network
 
+    first = None if begun is None else Network.read(begun)
     seen = [
         examples(folder / f"signals_{one.law}_{one.kinds}_{one.seed}", one.seed, count, one.law, one.kinds, workers)
-        for one, count in _parts(NETWORK, loops, PART)
+        for one, count in _parts(FIRST if first is None else AGAIN, loops, PART)
     ]
-    fit(Examples.joined(seen), click.echo).write(FILE)
+    passes = FROM_NOTHING if first is None else PASSES
+    fit(Examples.joined(seen), click.echo, passes=passes, begun=first).write(FILE)
 
 
 @click.command()
@@ -99,14 +87,15 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
     "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
 )
 @click.option(
-    "--patterns", type=click.IntRange(min=0), default=_total(PATTERNS), show_default=True,
-    help="to fit the patterns on; 0: those of the shipped file",
+    "--network", type=click.IntRange(min=0), default=None,
+    help=f"to fit the network on, by PyTorch; default: {_total(FIRST):,}, with --begun {_total(AGAIN):,}; 0: none, "
+    "the shipped network stays",
 )  # fmt: skip
 @click.option(
-    "--network", type=click.IntRange(min=0), default=_total(NETWORK), show_default=True,
-    help="to fit the network on, by PyTorch; 0: that of the shipped file",
+    "--begun", type=click.Path(exists=True, dir_okay=False, path_type=Path), default=None,
+    help="network to go on from; default: from nothing",
 )  # fmt: skip
-@click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
+@click.option("--trees", type=click.IntRange(min=10), default=120, show_default=True, help="of the accusing part")
 @click.option(
     "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
 )
@@ -115,7 +104,7 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, holding: int, patterns: int, network: int, trees: int, folder: Path, out: Path | None,
+    loops: int, holding: int, network: int | None, begun: Path | None, trees: int, folder: Path, out: Path | None,
     workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
@@ -123,12 +112,10 @@ def train(
     from stickslip.calibration.training import fit
     from stickslip.detect.judge.model import FILE
 
-    if network and not find_spec("torch"):
+    if network != 0 and not find_spec("torch"):
         raise click.UsageError(MISSING)
-    if patterns:
-        _read_out(folder, patterns, workers)
-    if network:
-        _network(folder, network, workers)
+    if network != 0:
+        _network(folder, network or _total(FIRST if begun is None else AGAIN), begun, workers)
     fitted = _tables(folder, TREES, loops, workers)
     held = _tables(folder, HOLDING, holding, workers)
     model = fit(fitted, held, click.echo, trees=trees)

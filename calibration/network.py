@@ -1,7 +1,8 @@
 """The network of convolutions (``stickslip.detect.judge.features.network``), fitted by PyTorch (extra "training").
 
-loss      -ln share of the right kind - ln share of the right side, sticky or not
+loss      -ln share of the right kind - ln share of the right side, sticky or not, which a deadband is spared
           + ``SIZED`` (|ln S - s| / w + ln w), w told beside s, J alike, of the sticky loops
+begun     a network to go on from: what its layers were normed by stays, and the rate is ``SLOWER``
 steps     AdamW on ``BATCH`` loops of about one length; half of them are cut to 40 to 100 % of it, half change sign;
           the rate rises over ``RISE`` loops and falls as half a cosine
 """
@@ -12,8 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.signals import Examples
-from stickslip.detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STRIDE, Network
-from stickslip.detect.judge.features.patterns import STICKY
+from stickslip.detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STICKY, STRIDE, Network
 
 __all__ = ["MISSING", "fit"]
 
@@ -23,35 +23,45 @@ WIDTHS = {"stem": 40, "b1": 48, "b2": 48, "b3": 64, "b4": 64, "b5": 80, "b6": 80
 HEADS, INNER = 4, 96  # weighted means over time; numbers f
 PASSES, BATCH, GROUP = 12, 64, 48  # over the loops; loops of a step; steps that loops are sorted by length in
 RATE, RISE, DECAY, DROPPED, SIZED = 2.5e-3, 15_000, 0.03, 0.1, 0.2
+SLOWER = 0.5  # of the rate, where a network goes on
+NEITHER = "deadband"  # dead travel without a jump: neither sticky nor sound
 CUT, LONG = 0.4, 200  # least share of a record that is kept, of records of so many points
 MISSING = 'PyTorch fits the network: pip install "stickslip[training]", or give --network 0 to keep the shipped one'
 
 
-def fit(loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES) -> Network:
-    """The network of simulated loops; ``say`` is told the mean loss of each pass.
+def fit(
+    loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES, begun: Network | None = None
+) -> Network:
+    """The network of simulated loops, from nothing or going on from ``begun``; ``say`` is told the loss of each pass.
 
-    Raises ``ImportError`` where PyTorch is not installed.
+    Raises ``ImportError`` where PyTorch is not installed, ``ValueError`` where ``begun`` knows no such kind of loop.
     """
     try:
         import torch
     except ImportError:
         raise ImportError(MISSING) from None
     torch.manual_seed(seed)
-    kinds = tuple(np.unique(loops.group).tolist())
+    kinds = tuple(np.unique(loops.group).tolist()) if begun is None else begun.kinds
+    if unknown := sorted(set(loops.group.tolist()) - set(kinds)):
+        raise ValueError(f"the network to go on from knows no {', '.join(unknown)}; fit one from nothing")
     sticky = torch.from_numpy(np.isin(kinds, STICKY))
+    either = torch.from_numpy(np.array(kinds) != NEITHER)
     target = torch.from_numpy(np.searchsorted(kinds, loops.group))
     size = torch.from_numpy(np.clip(loops.size, np.log(0.02), np.log(5.0)))
     model = untrained(len(kinds))
-    steps = torch.optim.AdamW(model.parameters(), RATE, weight_decay=DECAY)
+    if begun is not None:
+        go_on(model, begun)
+    rate = RATE if begun is None else SLOWER * RATE
+    steps = torch.optim.AdamW(model.parameters(), rate, weight_decay=DECAY)
     rng, done, whole = np.random.default_rng(seed), 0, passes * len(loops)
     for number in range(passes):
         losses = []
         for which, x, length in _batches(loops, rng):
             for group in steps.param_groups:
-                group["lr"] = RATE * min(1.0, (done + BATCH) / RISE) * 0.5 * (1.0 + np.cos(np.pi * done / whole))
+                group["lr"] = rate * min(1.0, (done + BATCH) / RISE) * 0.5 * (1.0 + np.cos(np.pi * done / whole))
             with torch.autocast("cpu", torch.bfloat16):
                 z, told = (y.float() for y in model(torch.from_numpy(x), torch.from_numpy(length)))
-            loss = _loss(z, told, target[which], size[which], sticky)
+            loss = _loss(z, told, target[which], size[which], sticky, either)
             steps.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
@@ -62,13 +72,14 @@ def fit(loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES) 
     return taken(model, kinds)
 
 
-def _loss(z: Any, told: Any, target: Any, size: Any, sticky: Any) -> Any:
+def _loss(z: Any, told: Any, target: Any, size: Any, sticky: Any, either: Any) -> Any:
     import torch
     from torch.nn import functional
 
     odds = torch.logsumexp(z[:, sticky], 1) - torch.logsumexp(z[:, ~sticky], 1)
     bad = sticky[target]
-    loss = functional.cross_entropy(z, target) + functional.binary_cross_entropy_with_logits(odds, bad.float())
+    sides = functional.binary_cross_entropy_with_logits(odds, bad.float(), weight=either[target].float())
+    loss = functional.cross_entropy(z, target) + sides
     if not bad.any():
         return loss
     width = told[bad, 2:].clamp(-4.0, 2.0)
@@ -102,7 +113,7 @@ def untrained(kinds: int) -> Any:
     import torch
     from torch import nn
 
-    class Convolutions(nn.Module):  # type: ignore[misc]
+    class Convolutions(nn.Module):  # type: ignore[misc,unused-ignore]  # PyTorch may be absent where types are checked
         def __init__(self) -> None:
             super().__init__()
             width, pooled = CHANNELS, 0
@@ -137,6 +148,26 @@ def untrained(kinds: int) -> Any:
             return self.out(f), self.size(f)
 
     return Convolutions()
+
+
+def go_on(model: Any, begun: Network) -> None:
+    """Put the numbers of a network into an untrained module: its layers were normed before and stay so."""
+    import torch
+
+    own = dict(model.named_modules())
+    with torch.no_grad():
+        for name in (*(name for name, *_ in LAYERS), "att", "fc", "out", "size"):
+            normed = name in WIDTHS
+            part = own[f"{name}.0" if normed else name]
+            part.weight.copy_(torch.from_numpy(begun.weights[f"{name}/w"]).reshape(part.weight.shape))
+            bias = torch.from_numpy(begun.weights[f"{name}/b"])
+            if not normed:
+                part.bias.copy_(bias)
+                continue
+            norm = own[f"{name}.1"]
+            norm.bias.copy_(bias)
+            norm.running_var.fill_(1.0 - norm.eps)
+            norm.eval()  # for as long as ``train`` is not called
 
 
 def taken(model: Any, kinds: tuple[str, ...]) -> Network:

@@ -18,12 +18,11 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.chunks import read, write
 from stickslip.calibration.crossings import extent
-from stickslip.calibration.drawing import draw
-from stickslip.calibration.simulation import simulate
-from stickslip.calibration.spec import Kinds, Setting, Truth
-from stickslip.detect.judge.features import View, features_of, view_of
+from stickslip.calibration.laws import Law, loops
+from stickslip.calibration.spec import Kinds, Truth
+from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.network import FILE as NETWORK
-from stickslip.detect.judge.features.patterns import FILE as PATTERNS
+from stickslip.detect.judge.features.view import View
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.files.resumable import Kept, differences, joined, opened
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["PART", "Table", "kept_table", "row", "table"]
 
 Values = npt.NDArray[np.float64]
-Family: TypeAlias = Callable[[View], dict[str, float]]
+Family: TypeAlias = Callable[[Prepared, View], dict[str, float]]
 PART = 500  # loops
 KEPT = Kept(
     "features", "stickslip.calibration.features/1", "number", ValueError,
@@ -88,10 +87,11 @@ class Table:
 def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str, float], float] | None:
     """The features of a record and the travel of OP in its unit; None where it shows too little.
 
-    ``looked_for`` makes them of a view: by default all, or one family of ``stickslip.detect.judge.features``.
+    ``looked_for`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
     """
-    view = view_of(Prepared(record))
-    return None if view is None else (looked_for(view), view.travel * view.op_scale)
+    loop = Prepared(record)
+    view = view_of(loop)
+    return None if view is None else (looked_for(loop, view), view.travel * view.op_scale)
 
 
 def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = features_of) -> Table:
@@ -103,13 +103,13 @@ def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = feature
     (2, True)
     """
     found = [row(record, looked_for) for record, _ in told]
-    names = next((list(one[0]) for one in found if one is not None), [])
+    names = sorted({name for one in found if one is not None for name in one[0]})
     x = np.full((len(told), len(names)), np.nan)
     unit = np.full(len(told), np.nan)
     for k, (one, (_, truth)) in enumerate(zip(found, told, strict=True)):
         shown = extent(told[k][0].op)
         if one is not None and shown > 0.0:
-            x[k] = list(one[0].values())
+            x[k] = [one[0].get(name, np.nan) for name in names]
             # the range of OP is known in % of its span from the simulation, the record may not tell the span
             unit[k] = one[1] * truth.op_range / shown
     truths = {f.name: np.array([getattr(t, f.name) for _, t in told]) for f in fields(Truth) if f.name != "defects"}
@@ -118,7 +118,7 @@ def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = feature
 
 
 def kept_table(
-    folder: Path, setting: Setting, seed: int, count: int, workers: int | None = None, kinds: Kinds = "usual"
+    folder: Path, setting: Law, seed: int, count: int, workers: int | None = None, kinds: Kinds = "usual"
 ) -> Table:
     """The table of ``count`` parts of a setting from ``seed`` on; parts not yet in the folder are made and kept there.
 
@@ -142,24 +142,23 @@ def kept_table(
     return _unframed(rows.filter(rows[KEPT.key] < count * PART))
 
 
-def made_part(folder: Path, setting: Setting, seed: int, kinds: Kinds = "usual") -> Table:
+def made_part(folder: Path, setting: Law, seed: int, kinds: Kinds = "usual") -> Table:
     """One part, in this process."""
     if setting != "other_physics":
-        return table(simulate(draw(PART, seed, setting, kinds=kinds), 1))
-    loops = folder / f"loops_{setting}_{seed}"
-    write(loops, PART, seed, setting, 1, progress=False)
-    return table([(record, truth) for _, record, truth in read(loops)])
+        return table(loops(setting, PART, seed, kinds))
+    kept = folder / f"loops_{setting}_{seed}"
+    write(kept, PART, seed, setting, 1, progress=False)
+    return table([(record, truth) for _, record, truth in read(kept)])
 
 
 def _code() -> str:
     """What the features of simulated loops depend on, as a digest."""
     here = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for place in ("calibration", "detect/judge/features", "detect/prepare"):
-        for file in sorted((here / place).glob("*.py")):
+    for place in ("calibration", "detect/judge/features", "detect/likelihood", "detect/prepare"):
+        for file in sorted((here / place).rglob("*.py")):
             digest.update(file.read_bytes())
-    for kept in (PATTERNS, NETWORK):
-        digest.update(kept.read_bytes())
+    digest.update(NETWORK.read_bytes())
     return digest.hexdigest()[:16]
 
 

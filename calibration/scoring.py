@@ -3,6 +3,7 @@
     AUC                 chance that a sticky loop has a higher probability than another
     found, false alarm  shares of the sticky and of the other loops called sticky
     calibration error   mean over ten bins of |share sticky - mean probability|, weighted by the loops in each
+    quiet               shares so improbable that the verdict clears them, where the record itself excludes dead travel
     S error, J error    median of |told / true - 1| over the sticky loops that are called so
 
 A record that shows too little for any feature is never called sticky; it counts with the probability 0.5.
@@ -62,16 +63,9 @@ def score(model: Model, t: Table) -> dict[str, Any]:
     sticky = t.sticky
     hit = called & sticky
     S_true, J_true = t.truth["S"].astype(float), t.truth["J"].astype(float)
-    x = t.x[t.seen]
     inside = _inside(model, t.rows(t.seen & sticky))
-    group, name = t.truth["group"], t.names.tolist()
+    group = t.truth["group"]
     quiet = t.seen & (p <= model.clear)
-    limit = np.full(len(t), np.inf)
-    follows = np.full(len(t), -np.inf)
-    if len(x):
-        limit[t.seen] = x[:, name.index(f"play_hidden_{model.hidden}")]
-        follows[t.seen] = x[:, name.index("linear_r2")]
-    cleared = quiet & (limit <= 0.5) & (follows >= 0.5)
     return {
         "loops": len(t),
         "auc": auc(p, sticky),
@@ -82,11 +76,11 @@ def score(model: Model, t: Table) -> dict[str, Any]:
         "j_error": float(np.nanmedian(np.abs(J[hit] / J_true[hit] - 1))) if hit.any() else None,
         "s_inside": inside[0],
         "j_inside": inside[1],
-        "cleared_others": float(np.mean(cleared[~sticky])),
-        "cleared_sticky": float(np.mean(cleared[sticky])),
+        "quiet_others": float(np.mean(quiet[~sticky])),
+        "quiet_sticky": float(np.mean(quiet[sticky])),
         "by_group": {
             str(g): {"loops": int((group == g).sum()), "called": float(np.mean(called[group == g])),
-                     "cleared": float(np.mean(cleared[group == g])), "mean_p": float(np.mean(p[group == g]))}
+                     "quiet": float(np.mean(quiet[group == g])), "mean_p": float(np.mean(p[group == g]))}
             for g in np.unique(group)
         },
         "by_detectability": _by(t, called),
@@ -108,8 +102,7 @@ def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
     """Share found of the sticky loops by OP's travel over S, process, J over S, cycle and points a turn."""
     sticky = t.sticky
     travel, ratio = t.truth["travel"].astype(float), t.truth["J"].astype(float) / t.truth["S"].astype(float)
-    points = t.x[:, t.names.tolist().index("samples_per_turn")]
-    noise = t.x[:, t.names.tolist().index("noise")]
+    points = t.x[:, t.names.tolist().index("travel_between")]
     sets = {
         "travel below 1.2 S": travel < 1.2, "travel 1.2 to 2 S": (travel >= 1.2) & (travel < 2),
         "travel 2 to 3 S": (travel >= 2) & (travel < 3), "travel above 3 S": travel >= 3,
@@ -117,11 +110,7 @@ def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
         "J below 0.3 S": ratio < 0.3, "J 0.3 to 0.5 S": (ratio >= 0.3) & (ratio < 0.5),
         "J 0.5 to 0.8 S": (ratio >= 0.5) & (ratio < 0.8), "J above 0.8 S": ratio >= 0.8,
         "cycling": t.truth["cycling"].astype(bool), "not cycling": ~t.truth["cycling"].astype(bool),
-        "below 5 samples a turn": points < np.log10(5),
-        "5 to 15 samples a turn": (points >= np.log10(5)) & (points < np.log10(15)),
-        "above 15 samples a turn": points >= np.log10(15),
-        "noise below 1 % of range": noise < -2, "noise 1 to 5 %": (noise >= -2) & (noise < np.log10(0.05)),
-        "noise above 5 %": noise >= np.log10(0.05),
+        "below 10 samples a turn": points < 10.0, "above 10 samples a turn": points >= 10.0,
     }  # fmt: skip
     return {
         name: {"loops": float((here & sticky).sum()), "found": float(np.mean(called[here & sticky]))}
@@ -133,9 +122,10 @@ def _baselines(t: Table) -> Mapping[str, float]:
     """AUC of single numbers that a first guess would use."""
     names = t.names.tolist()
     found = {"always sticky: false alarms": 1.0}
-    for label, feature in (("regularity of OP", "op_acf_peak"), ("play fit ratio", "play_ratio_min"),
-                           ("half wave of OP, triangle against sine", "op_gain_sine"), ("record length", "turns"),
-                           ("samples a turn", "samples_per_turn"), ("noise", "noise")):  # fmt: skip
+    for label, feature in (
+        ("network", "network_sticky"), ("gain in nats", "travel_gain"), ("a bent line", "travel_bent"),
+        ("samples a turn", "travel_between"), ("turns", "travel_turned"), ("rows", "travel_rows"),
+    ):  # fmt: skip
         x = t.x[:, names.index(feature)]
         ok = np.isfinite(x)
         found[f"AUC {label}"] = auc(x[ok], t.sticky[ok])

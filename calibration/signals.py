@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.crossings import extent
-from stickslip.calibration.drawing import draw
-from stickslip.calibration.simulation import simulate
-from stickslip.calibration.spec import Kinds, Setting
+from stickslip.calibration.laws import Law, loops
+from stickslip.calibration.spec import Kinds
 from stickslip.detect.judge.features.channels import LOOKED_AT, MOST
 from stickslip.detect.judge.features.network import CHANNELS, seen_by
 from stickslip.detect.judge.features.view import View, view_of
@@ -51,7 +50,7 @@ class Examples:
 
 
 def examples(
-    folder: Path, seed: int, count: int, setting: Setting = "training", kinds: Kinds = "usual",
+    folder: Path, seed: int, count: int, setting: Law = "training", kinds: Kinds = "usual",
     workers: int | None = None,
 ) -> Examples:  # fmt: skip
     """The loops of ``count`` parts from ``seed`` on that show enough for a view, those made before from the folder.
@@ -78,12 +77,12 @@ def examples(
     )
 
 
-def _columns(setting: Setting, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
+def _columns(setting: Law, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
     """One part as columns, its rows numbered from ``first`` on."""
     columns: dict[str, list[Any]] = {
         name: [] for name in ("number", "group", "S", "J", "turn", "u", "y", "e")
     }  # fmt: skip
-    for loop, truth in simulate(draw(PART, seed, setting, kinds=kinds), workers):
+    for loop, truth in loops(setting, PART, seed, kinds, workers):
         view, shown = view_of(Prepared(loop)), extent(loop.op)
         if view is None or not shown > 0.0:
             continue
@@ -102,6 +101,6 @@ def _view(row: dict[str, Any]) -> View:
     """A view with what the channels look at; all else is left open."""
     u, y, e = (np.array(row[name], dtype=np.float64) for name in ("u", "y", "e"))
     return View(
-        u=u, y=y, e=e, sp=None, turn=row["turn"], block=1, travel=float(np.ptp(u)), noise=0.0, stale=0.0, raw_u=u,
-        raw_y=y, integrating=None, op_scale=1.0, seconds=float(len(u)),
+        u=u, y=y, e=e, turn=row["turn"], block=1, travel=float(np.ptp(u)), integrating=None, op_scale=1.0,
+        seconds=float(len(u)),
     )  # fmt: skip

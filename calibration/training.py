@@ -1,10 +1,9 @@
 """From tables of simulated loops to the calibrated model: trees on some seeds, all limits on others.
 
-trees       fitted on the training parts, every kind of sticky loop by its share in ``draw``
+trees       fitted on the training parts, where a deadband counts less than the others
 Platt       p = 1 / (1 + exp(-(a z + b))) by maximum likelihood on the holding parts
 accuse      the least probability at which at most ``ALARMS`` of the loops without stiction are accused there
 clear       the largest probability below which at most ``CLEARED`` of the sticky loops lie there
-hidden      the least margin at which at most ``BEYOND`` of the sticky loops have S above the limit told
 widths      what the outer quantiles of ln S and ln J need to hold 90 % there
 """
 
@@ -14,9 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.boosting import classifier, quantile, start, taken
-from stickslip.calibration.drawing import NOT_CYCLING
 from stickslip.calibration.records import Table
-from stickslip.detect.judge.features.play import HIDDEN
 from stickslip.detect.judge.model import Model
 from stickslip.detect.judge.trees import Trees
 
@@ -25,10 +22,11 @@ __all__ = ["fit"]
 Values = npt.NDArray[np.float64]
 Say = Callable[[str], None]
 
+LEAVES = 10  # of a tree that accuses: more fit the loops learnt from alone
 ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, and nobody digs up a sound valve gladly
 CLEARED = 0.02
-BEYOND = 0.05
 TAILS = (0.05, 0.5, 0.95)
+DEADBAND = 0.25  # weight of a loop whose valve has dead travel without a jump
 
 
 def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees: int = 400) -> Model:
@@ -42,7 +40,7 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     say(f"{len(train)} loops to fit, {len(hold)} to calibrate on")
     found: dict[str, Any] = {}
     weight = _weights(train)
-    sticky = classifier(train.x, train.sticky, trees, 24, seed, weight)
+    sticky = classifier(train.x, train.sticky, trees, LEAVES, seed, weight)
     found["sticky"] = taken(sticky, start(sticky, train.x))
     say("stiction or not: fitted")
     rest = train.rows(~train.sticky)
@@ -53,33 +51,31 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     for which in ("S", "J"):
         found[which] = _sizes(valves, which, max(trees // 3, 10), seed, weight[train.sticky])
         say(f"size of {which}: fitted")
-    z = found["sticky"](hold.x)[:, 0]
-    a, b = _platt(z, hold.sticky)
+    told = hold.rows(hold.truth["cause"] != "deadband")  # dead travel, too: an alarm there is not a false one
+    z = found["sticky"](told.x)[:, 0]
+    a, b = _platt(z, told.sticky)
     p = 1.0 / (1.0 + np.exp(-(a * z + b)))
-    accuse = float(np.quantile(p[~hold.sticky], 1.0 - ALARMS))
-    clear = float(np.quantile(p[hold.sticky], CLEARED))
+    accuse = float(np.quantile(p[~told.sticky], 1.0 - ALARMS))
+    clear = float(np.quantile(p[told.sticky], CLEARED))
     bad = hold.rows(hold.sticky)
     widths = np.array([_widths(found[which], bad, which) for which in ("S", "J")])
     seen = np.stack([np.nanmin(train.x, axis=0), np.nanmax(train.x, axis=0)])
     about = {"fitted_on": len(train), "calibrated_on": len(hold), "trees": trees, "seed": seed}
     return Model(
         tuple(train.names.tolist()), tuple(str(c) for c in others.classes_), found, (a, b), accuse, clear,
-        _margin(bad), widths, seen, about,
+        widths, seen, about,
     )  # fmt: skip
 
 
 def _weights(t: Table) -> Values:
-    """So that a fifth of the sticky loops counts as moved by something else, however many of them there are, (n,)."""
-    weight, group = np.ones(len(t)), t.truth["group"]
-    for name, share in (("cycling", 1.0 - NOT_CYCLING), ("excited", NOT_CYCLING)):
-        own = group == name
-        if own.any():
-            weight[own] = share * t.sticky.sum() / own.sum()
-    return weight
+    """A deadband is dead travel too, and differs from a stick by its jump alone: it counts less, (n,)."""
+    return np.where(t.truth["cause"] == "deadband", DEADBAND, 1.0)
 
 
 def _target(t: Table, which: str) -> Values:
-    return np.asarray(np.log(t.truth[which].astype(float) / t.unit))
+    """ln of the true size over OP's travel, less what the network says of it: trees set it right, (n,)."""
+    told = t.x[:, t.names.tolist().index(f"network_{which}")]
+    return np.asarray(np.log(t.truth[which].astype(float) / t.unit) - told)
 
 
 def _sizes(valves: Table, which: str, trees: int, seed: int, weight: Values) -> Trees:
@@ -114,13 +110,3 @@ def _widths(trees: Trees, bad: Table, which: str) -> Values:
     """What the outer quantiles lack on the holding loops (conformalised quantile regression, Romano et al. 2019)."""
     q, truth = np.sort(trees(bad.x), axis=1), _target(bad, which)
     return np.array([np.quantile(q[:, 0] - truth, 0.95), np.quantile(truth - q[:, 2], 0.95)])
-
-
-def _margin(bad: Table) -> int:
-    """The margin of the detection limit."""
-    share = bad.truth["S"].astype(float) / bad.unit
-    for margin in HIDDEN:
-        limit = bad.x[:, bad.names.tolist().index(f"play_hidden_{margin}")]
-        if np.mean(share > limit + 0.05) <= BEYOND:
-            return margin
-    return HIDDEN[-1]

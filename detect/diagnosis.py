@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from stickslip.detect.chances import chance
-from stickslip.detect.judge.answer import Amount, Answer, answer
+from stickslip.detect.judge.answer import Amount, Answer
 from stickslip.detect.judge.combine import Combine
+from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.judge.pooled import pooled
 from stickslip.detect.judge.voted import beside, voted
 from stickslip.detect.likelihood.pooled import Evidence
@@ -180,7 +181,7 @@ def diagnose(
 
 def found_on(loop: Prepared, verdicts: Sequence[Verdict], combine: Combine | None) -> Answer:
     """The answer on a loop: the calibrated one, or what ``combine`` makes of the verdicts of the methods."""
-    return answer(loop) if combine is None else voted(verdicts, combine, loop.record.mv is not None)
+    return answer_over_days(loop) if combine is None else voted(verdicts, combine, loop.record.mv is not None)
 
 
 def found_on_all(loops: Sequence[Prepared], answers: Sequence[Answer], evidence: Evidence | None) -> Answer:

@@ -101,6 +101,28 @@ def judged() -> None:
     keep("run", find("ideal_high").run().plot())
 
 
+def verdicts() -> None:
+    """The three pictures of ``docs/verdict.md``: dead travel that is found, one that is excluded, one of many days."""
+    import numpy as np
+    from stickslip.detect.methods import dead_travel
+    from stickslip.detect.prepare.stick import stick
+    from stickslip.detect.tag import judge_tag
+    from stickslip.logs import LoopRecord
+
+    def day(S: float, seed: int) -> LoopRecord:
+        rng, t = np.random.default_rng(seed), np.arange(2400.0)
+        op = 50 + 4 * np.sin(2 * np.pi * np.cumsum(1 + 0.1 * rng.normal(size=2400)) / 160) + np.sin(t / 31)
+        pv, flow = np.empty(2400), 0.0
+        for k, x in enumerate(stick(op, S, 0.3 * S)):
+            pv[k] = 50 + flow + 0.4 * rng.normal()
+            flow += (x - 50 - flow) / 12
+        return LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t + 50, op_span=(0, 100), name=f"FIC12 day {seed}")
+
+    keep("verdict_found", dead_travel.detect(day(2.0, 1)).plot())
+    keep("verdict_excluded", dead_travel.detect(day(0.0, 2)).plot())
+    keep("verdict_days", judge_tag("FIC12", [day(0.8, seed) for seed in range(3, 10)]).plot())
+
+
 def both_simulators() -> None:
     """The sticky loop of ``docs/python_control.md`` in our engine and in python-control's."""
     import control as ct
@@ -136,7 +158,7 @@ def level_station() -> None:
     keep("gap_level_station", picture())
 
 
-DRAWN = (topologies, plant, linear, latent, spread, judged, both_simulators, level_station)
+DRAWN = (topologies, plant, linear, latent, spread, judged, verdicts, both_simulators, level_station)
 
 if __name__ == "__main__":
     wanted = sys.argv[1:] or [draw.__name__ for draw in DRAWN]

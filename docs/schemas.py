@@ -54,7 +54,12 @@ def loop():
 SLOW = ("demo", "reproduce")
 LINES: dict[str, tuple[Sequence[str], ...]] = {
     "check": (("check", "FIC101.csv"), ("check", "still.csv")),
-    "check, several loops": (("check", "FIC101.csv", "unit.csv"),),
+    "check, several loops": (
+        ("check", "FIC101.csv", "unit.csv"),
+        ("check", "FIC12_day1.csv", "FIC12_day2.csv"),
+        ("check", "FIC13_day1.csv", "FIC13_day2.csv"),
+        ("check", "hidden.csv"),
+    ),
     "fit": (("fit", "sticky.csv"),),
     "remedy": (("remedy", "sticky.csv"),),
     "valve": (("valve", "steps.csv"),),
@@ -77,7 +82,8 @@ def inputs(folder: Path) -> None:
     export = (EXPORTS / "FIC101_pi_export.csv").read_text()
     (folder / "FIC101.csv").write_text(export)
     rows = range(300)
-    (folder / "still.csv").write_text("time,PV,OP\n" + "".join(f"{i},4,50\n" for i in rows))
+    for name in ("still", "FIC13_day1", "FIC13_day2"):
+        (folder / f"{name}.csv").write_text("time,PV,OP\n" + "".join(f"{i},4,50\n" for i in rows))
     head = "time,FIC1.PV,FIC1.OP,LIC2.PV,LIC2.OP\n"
     body = "".join(f"{i},{40 + i % 7},{50 + i % 5},{30 + i % 3},{60 + i % 9}\n" for i in rows)
     (folder / "unit.csv").write_text(head + body)
@@ -91,12 +97,30 @@ def inputs(folder: Path) -> None:
 
     made = sticky(hours=1.0, seed=3)
     columns = zip(made.t, made.sp, made.pv, made.op, strict=True)  # type: ignore[arg-type]
-    lines = "".join(f"{t:g},{sp:.5g},{pv:.5g},{op:.5g}\n" for t, sp, pv, op in columns)
-    (folder / "sticky.csv").write_text("time,SP,PV,OP\n" + lines)
+    lines = [f"{t:g},{sp:.5g},{pv:.5g},{op:.5g}\n" for t, sp, pv, op in columns]
+    half = len(lines) // 2
+    for name, part in {"sticky": lines, "FIC12_day1": lines[:half], "FIC12_day2": lines[half:]}.items():
+        (folder / f"{name}.csv").write_text("time,SP,PV,OP\n" + "".join(part))
+    hidden(folder / "hidden.csv")
     (folder / "model.py").write_text(MODEL)
     (folder / "plant").mkdir()
     (folder / "plant" / "FIC101.csv").write_text(export)
     (folder / "plant" / "FIC9.csv").write_text("time,PV,OP\n0,four,5\n")
+    for day in ("FIC12_day1.csv", "FIC12_day2.csv"):
+        (folder / "plant" / day).write_text((folder / day).read_text())
+
+
+def hidden(file: Path) -> None:
+    """Write two levels, of which another tag shows that the valve of one slips."""
+    import numpy as np
+    from stickslip.detect.prepare.stick import stick
+    from stickslip.logs import Log, LoopSignals
+
+    t = np.arange(3000.0)
+    u = 50 + 4 * np.sin(t / 50) + 2 * np.sin(t / 31)
+    signals = {"u": u, "p": np.cos(t / 90), "v": u[::-1], "q": np.sin(t / 70), "f": stick(u, 4.0, 1.5)}
+    loops = {"LC1": LoopSignals("p", "u"), "LC2": LoopSignals("q", "v")}
+    Log(t, signals, spans={"u": (0, 100), "v": (0, 100)}, loops=loops).to_csv(file)
 
 
 def shape(value: Any, key: str = "") -> Any:

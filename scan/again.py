@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from stickslip.logs import LoopRecord
-from stickslip.scan.judge import JOB_ROWS
 from stickslip.scan.loop_map import read_map
 from stickslip.scan.sources import source_of
+from stickslip.scan.valves import records_at
 
 __all__ = ["read_again"]
 
@@ -26,13 +26,4 @@ def read_again(
     ``source``, ``out`` and ``loop_map`` as for ``scan``.  Raises ReadError as ``scan`` does.
     """
     found = source_of(source, Path(out) / "source", () if loop_map is None else read_map(loop_map))
-    by_job: dict[int, list[int]] = {}
-    for order in orders:
-        by_job.setdefault(order // JOB_ROWS, []).append(order % JOB_ROWS)
-    for number, places in by_job.items():
-        last = max(places)
-        for place, (_, record) in enumerate(found.jobs[number].read()):
-            if place in places:
-                yield number * JOB_ROWS + place, record
-            if place >= last:
-                break
+    yield from records_at(found, orders)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from stickslip.logs import LoopRecord
@@ -10,9 +11,10 @@ from stickslip.scan.sources import Job
 from stickslip.scan.together import phasors
 
 if TYPE_CHECKING:
-    from stickslip.detect.judge.answer import Amount
+    from stickslip.detect.judge.answer import Amount, Answer
+    from stickslip.detect.prepare.prepared import Prepared
 
-__all__ = ["SECONDS_MAX", "judged", "row_of"]
+__all__ = ["SECONDS_MAX", "judged", "row_of", "row_of_valve"]
 
 SECONDS_MAX = 60  # s for one loop; the calibrated answer takes a tenth of a second
 JOB_ROWS = 10_000  # rows that one job may give: row j of job i has the order i * JOB_ROWS + j
@@ -29,12 +31,11 @@ def judged(job: Job, number: int) -> list[Row]:
         name = ""
         try:
             with time_limit(SECONDS_MAX, f"the loop took more than {SECONDS_MAX} s"):
-                name, record = next(read, ("", None))
+                name, record, place = next(read, ("", None, ""))
                 if record is None:
                     return rows
                 row = {"loop": name, "error": record} if isinstance(record, str) else row_of(record)
-                if isinstance(record, LoopRecord):
-                    row["source"] = {"file": record.log.origin, "tags": name}.get(job.kind) or job.files[0]
+                row["source"] = place
         except Exception as fault:  # a scan overnight must not end at one loop
             row = {"loop": name or f"job {number}", "error": f"{type(fault).__name__}: {fault}"[:REASON_MAX]}
         rows.append(row | {"order": number * JOB_ROWS + len(rows)})
@@ -42,18 +43,33 @@ def judged(job: Job, number: int) -> list[Row]:
 
 def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
-    from stickslip.detect.judge.answer import answer
+    from stickslip.detect.judge.over_days import answer_over_days
     from stickslip.detect.prepare.prepared import prepared
-    from stickslip.detect.prepare.swing import amplitude
 
     loop = prepared(record)
-    found = answer(loop)
+    return _row_of(record.name, answer_over_days(loop), [loop])
+
+
+def row_of_valve(name: str, records: Sequence[LoopRecord]) -> Row:
+    """What a scan says of one valve by several records: the pooled answer; all else is of the last one."""
+    from stickslip.detect.prepare.prepared import prepared
+    from stickslip.detect.tag import judge_tag
+
+    loops = [prepared(record) for record in records]
+    return _row_of(name, judge_tag(name, loops).answer, loops)
+
+
+def _row_of(name: str, found: Answer, loops: Sequence[Prepared]) -> Row:
+    from stickslip.detect.prepare.swing import amplitude
+
+    loop = loops[-1]
+    record = loop.record
     t, start = record.t, record.log.start
     period = loop.period if loop.gate.oscillating else None
     cause = next(iter(found.causes), None)
     limit = None if found.limit is None else found.limit[0]
     return {
-        "loop": record.name,
+        "loop": name,
         "verdict": found.word,
         "probability": found.probability,
         "cause": cause,
@@ -64,7 +80,7 @@ def row_of(record: LoopRecord) -> Row:
         "size_unit": next((size.unit for size in (found.S, found.J) if size), found.limit[1] if found.limit else None),
         "period_s": period,
         "amplitude": amplitude(record.pv),
-        "health": ", ".join(dict.fromkeys(fact.code for fact in loop.health if fact.present)),
+        "health": ", ".join(dict.fromkeys(fact.code for one in loops for fact in one.health if fact.present)),
         "reason": found.reason[:REASON_MAX],
         "action": found.action[:REASON_MAX],
         "samples": len(t),

@@ -16,6 +16,7 @@ from stickslip.scan.loop_map import read_map
 from stickslip.scan.result import SCHEMA, ScanResult
 from stickslip.scan.sources import Source, source_of
 from stickslip.scan.table import ranked, table_of
+from stickslip.scan.valves import with_valves
 from stickslip.scan.workers import on_cluster, on_cores
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def scan(
         _work(found, kept, workers, cluster, tell or (lambda done, total: None))
         tables = kept.rows()
         table = joined(tables, "order") if tables else table_of([])
-        table = table.sort("rank") if "rank" in table.columns else ranked(table)
+        table = table.sort("rank") if "rank" in table.columns else ranked(with_valves(found, table, workers))
         kept.finish(table)
         kept.note(finished=True)
     return ScanResult(table=table, source=found.name, notes=found.notes, changes=changes(before, table))

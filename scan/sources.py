@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Job", "Source", "source_of"]
 
 Kind = Literal["file", "wide", "long", "tags"]
-Read = tuple[str, LoopRecord | str]  # name of a loop, and its record or why there is none
+Read = tuple[str, LoopRecord | str, str]  # name of a loop, its record or why there is none, and what tells files apart
 
 PARQUET = (".parquet", ".pq")
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".gz", ".zip", ".xlsx", ".xlsm")
@@ -63,10 +63,11 @@ class Job:
             yield from self._of_files()
             return
         for loop, frame in self._frames():
+            place = loop if self.kind == "tags" else self.files[0]
             try:
-                yield loop, self._record(loop, frame)
+                yield loop, self._record(loop, frame), place
             except ReadError as fault:
-                yield loop, _without_source(fault)
+                yield loop, _without_source(fault), place
 
     def _record(self, loop: str, frame: pl.DataFrame) -> LoopRecord:
         told = next((tags for tags in self.mapped if tags.loop == loop), None)
@@ -80,12 +81,12 @@ class Job:
             try:
                 if self.mapped:
                     for tags in self.mapped:
-                        yield tags.loop, tags.read(file)
+                        yield tags.loop, tags.read(file), file
                 else:
                     for record in read_loops(file):
-                        yield record.name, record
+                        yield record.name, record, file
             except ReadError as fault:
-                yield Path(file).stem, _without_source(fault)
+                yield Path(file).stem, _without_source(fault), file
 
     def _frames(self) -> Iterator[tuple[str, pl.DataFrame]]:
         import polars as pl

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 __all__ = ["COLUMNS", "csv_bytes", "ranked", "table_of"]
 
-# column -> type; every scan writes all of them
+# column -> type; every scan writes all of them.  ``records``: the orders of those that were pooled, parted by blanks
 COLUMNS = {
     "order": "Int64", "loop": "String", "verdict": "String", "probability": "Float64", "cause": "String",
     "cause_probability": "Float64", "S": "Float64", "S_low": "Float64", "S_high": "Float64", "J": "Float64",
     "J_low": "Float64", "J_high": "Float64", "detection_limit": "Float64", "size_unit": "String",
     "period_s": "Float64", "amplitude": "Float64", "health": "String", "reason": "String", "action": "String",
     "samples": "Int64", "interval_s": "Float64", "hours": "Float64", "start": "Float64", "error": "String",
-    "phasors": "List", "source": "String",
+    "records": "String", "phasors": "List", "source": "String",
 }  # fmt: skip
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
 

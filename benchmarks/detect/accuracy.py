@@ -28,8 +28,8 @@ NOTES = {
     "j_error": "median relative error of J where stiction is called (goal: at most 0.25)",
     "s_inside": "share of the sticky loops whose S lies in its 90 % interval",
     "j_inside": "share of the sticky loops whose J lies in its 90 % interval",
-    "cleared_others": "share of the loops without stiction that are cleared, with a size",
-    "cleared_sticky": "share of the sticky loops that are cleared",
+    "quiet_others": "share of the loops without stiction that the model lets the record clear",
+    "quiet_sticky": "share of the sticky loops that the model lets the record clear",
 }
 
 

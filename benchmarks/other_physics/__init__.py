@@ -1,1 +1,1 @@
-"""Loops of a simulator written apart, that nothing is learnt from: what the verdict is worth away from home."""
+"""What the verdict is worth where sticking is crossed with all else, on families that are held back from learning."""

@@ -6,14 +6,14 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stickslip.calibration.crossed.drawing import Drawn, draw
+from stickslip.calibration.crossed.history import seen
 from stickslip.detect.judge.answer import answer
 from stickslip.detect.judge.earned import usable
-from stickslip.detect.judge.features import features_of, view_of
+from stickslip.detect.judge.features import view_of
+from stickslip.detect.judge.features.network import network_features
 from stickslip.detect.judge.model import calibrated
 from stickslip.detect.prepare.prepared import Prepared
-
-from benchmarks.other_physics.drawing import Drawn, draw
-from benchmarks.other_physics.history import seen
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,13 @@ def judged(run: Run) -> dict[str, Any]:
     said = answer(loop)
     view = view_of(loop)
     row: dict[str, Any] = asdict(run.drawn) | {
-        "kind": run.drawn.kind, "shows": made.shows, "travelled": made.travel, "turns": made.turns,
+        "kind": run.drawn.kind, "withheld": run.drawn.withheld, "shows": made.shows, "travelled": made.travel,
+        "turns": made.turns,
         "word": said.word, "p": said.probability, "S_told": None if said.S is None else said.S.value,
         "cause": next(iter(said.causes), ""),
     }  # fmt: skip
     if view is not None and said.probability is not None:
-        row["p_learnt"] = calibrated().judge(features_of(view)).probability
+        row["p_learnt"] = calibrated().judge(network_features(view)).probability
     found = loop.dead_travel if usable(loop) else None
     if found is not None:
         row |= {

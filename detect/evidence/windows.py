@@ -11,22 +11,19 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from stickslip.detect.judge.answer import Amount, answer
 from stickslip.detect.judge.model import rounded
+from stickslip.detect.prepare.days import CYCLES, MOST, SAMPLES, edges_of_days, part_of
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.words import Word
-from stickslip.logs import LogError, LoopRecord
+from stickslip.logs import LoopRecord
 
 __all__ = ["OverTime", "Window", "over_time"]
 
-DAY = 86400.0  # s
-MOST = 12  # windows
 PARTS = 6  # of a record of less than two days
-SAMPLES = 300  # the shortest simulated records that the model was fitted on
-CYCLES = 8.0
 TESTED = 6  # windows: with fewer, no order is rare enough
 FALSE_ALARMS = 0.01  # of records of a constant valve, at most
 ENDS = 3  # windows at either end whose sizes are compared
@@ -123,43 +120,29 @@ def over_time(record: LoopRecord, *, most: int = MOST) -> OverTime:
 
 def _edges(record: LoopRecord, most: int) -> tuple[list[float], str]:
     """Limits of the windows [s], none where the record cannot be divided, and a sentence on them."""
-    t0, t1 = float(record.t[0]), float(record.t[-1])
-    span = t1 - t0
-    if span >= 1.9 * DAY:
-        days = math.ceil((span / DAY + 1.0) / most)
-        start = record.log.start
-        midnight = t0 if start is None else t0 - (_since_midnight(record) + t0) % DAY
-        edges = np.arange(midnight, t1 + DAY * days, DAY * days)
-        if edges[-1] < t1:
-            edges = np.append(edges, edges[-1] + DAY * days)
+    period = Prepared(record).period
+    edges, days = edges_of_days(record, most, period)
+    if edges:
         of = "a day" if days == 1 else f"{days} days"
-        since = "from the start of the record" if start is None else "by the clock"
-        return edges.tolist(), f"Windows of {of}, {since}."
+        since = "from the start of the record" if record.log.start is None else "by the clock"
+        return edges, f"Windows of {of}, {since}."
+    t0, t1 = float(record.t[0]), float(record.t[-1])
     parts = min(PARTS, most, int(np.sum(record.good)) // SAMPLES)
-    period = Prepared(record).period if parts >= 2 else math.nan
     if math.isfinite(period):
-        parts = min(parts, int(span / (CYCLES * period)))
+        parts = min(parts, int((t1 - t0) / (CYCLES * period)))
     if parts < 2:
         why = f"windows need {SAMPLES} samples each, and {CYCLES:g} periods where the loop oscillates"
         return [], f"The record is too short to be divided: {why}."
     return np.linspace(t0, t1, parts + 1).tolist(), f"The record in {parts} equal parts; days say more: log longer."
 
 
-def _since_midnight(record: LoopRecord) -> float:
-    start = record.log.start
-    assert start is not None
-    return start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond * 1e-6
-
-
 def _judged(record: LoopRecord, start: float, end: float, *, last: bool) -> Window | None:
     """The answer on one window; None where no sample lies in it."""
-    try:
-        log = record.log.between(start, end if last else math.nextafter(end, start))
-    except LogError:
+    part = part_of(record, start, end, last=last)
+    if part is None:
         return None
-    part = replace(record, log=log)
     held = (max(start, float(record.t[0])), min(end, float(record.t[-1])))
-    if len(log) < SAMPLES:
-        return Window(*held, len(log), "not_applicable", None)
+    if len(part) < SAMPLES:
+        return Window(*held, len(part), "not_applicable", None)
     found = answer(Prepared(part))
-    return Window(*held, len(log), found.word, found.probability, found.S, found.J, found.limit)
+    return Window(*held, len(part), found.word, found.probability, found.S, found.J, found.limit)

@@ -29,7 +29,9 @@ def plot_tag(tag: Tag) -> Figure:
     unit = "unit of OP" if tag.answer.S is None else tag.answer.S.unit.removeprefix("in the ")
     number = np.arange(1, len(e.days) + 1)
     speaks = [INK if day.gain > 0.0 else PALE for day in e.days]
-    left.axhspan(e.low, e.high, color=SHADE, lw=0)
+    if e.accuses:  # else the best S is none
+        left.axhspan(e.low, e.high, color=SHADE, lw=0)
+        right.axvspan(e.low, e.high, color=SHADE, lw=0)
     left.scatter(number, [day.S for day in e.days], color=speaks, s=22)
     left.set_title(f"S of each record [{unit}]", fontsize=9, loc="left")
     left.set_ylim(0.0, None)
@@ -40,7 +42,6 @@ def plot_tag(tag: Tag) -> Figure:
     for axes in (left, middle):
         axes.set_xlabel("record")
         axes.set_xticks(number if len(number) <= 12 else number[:: len(number) // 6])
-    right.axvspan(e.low, e.high, color=SHADE, lw=0)
     right.axhline(0.0, color=PALE, lw=0.8)
     right.axhline(GAIN, color=PALE, lw=0.8, ls=":")
     right.plot(e.sizes, e.curve, ".-", color=INK)

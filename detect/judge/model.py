@@ -2,7 +2,8 @@
 
     p(stiction)        = 1 / (1 + exp(-(a z + b))),   z the sum of the boosted trees "sticky"
     p(cause)           = (1 - p(stiction)) softmax(z_cause),   for every other cause, from the trees "others"
-    ln(S / OP travel)  quantiles of 5, 50 and 95 % from the trees "S", the outer two widened; J likewise
+    ln(S / OP travel)  what the network says, and to it quantiles of 5, 50 and 95 % of its error from the trees "S", the
+                       outer two widened; J likewise
 
 The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  Trees, a, b,
 limits and widths come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``,
@@ -27,8 +28,9 @@ __all__ = ["FILE", "SCHEMA", "Model", "Opinion", "calibrated"]
 
 Values = npt.NDArray[np.float64]
 FILE = Path(__file__).with_name("calibration.npz")
-SCHEMA = "stickslip.calibration.model/1"
+SCHEMA = "stickslip.calibration.model/2"
 TREES = ("sticky", "others", "S", "J")
+FAR = 0.2  # share of features beyond all simulated ones from which on the model knows nothing
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,6 @@ class Model:
     trees : by name, ``TREES``
     platt : a, b
     accuse, clear : stiction is called from this probability on, no stiction only up to that one [-]
-    hidden : which of the ``play_hidden_*`` features is the detection limit (its margin)
     widths : (2, 2) what is added to the outer quantiles of ln S and ln J
     seen : (2, f) range of each feature in the simulated records
     about : what was fitted on what, plain values
@@ -72,7 +73,6 @@ class Model:
     platt: tuple[float, float]
     accuse: float
     clear: float
-    hidden: int
     widths: Values
     seen: Values
     about: Mapping[str, Any]
@@ -86,37 +86,33 @@ class Model:
         return p, (1.0 - p)[:, None] * e / e.sum(axis=1, keepdims=True)
 
     def sizes(self, x: Values, which: str) -> Values:
-        """ln of S or J over OP's travel: low, median, high, (n, 3)."""
-        q = np.sort(self.trees[which](x), axis=1)
+        """ln of S or J over OP's travel: low, median, high, (n, 3); what the network says, set right by trees."""
+        q = np.sort(self.trees[which](x) + x[:, self.names.index(f"network_{which}"), None], axis=1)
         widths = self.widths[("S", "J").index(which)]
         return np.stack([q[:, 0] - widths[0], q[:, 1], q[:, 2] + widths[1]], axis=1)
 
     def judge(self, features: Mapping[str, float]) -> Opinion:
-        """The opinion on the features of one record.
-
-        Raises KeyError if a feature that the model was fitted with is missing.
-        """
-        x = np.array([[features[name] for name in self.names]])
+        """The opinion on the features of one record; what is not there is missing (NaN)."""
+        x = np.array([[features.get(name, np.nan) for name in self.names]])
         p, others = self.probabilities(x)
         causes = {"stiction": float(p[0])} | dict(zip(self.causes, others[0].tolist(), strict=True))
-        beyond = (x[0] < self.seen[0]) | (x[0] > self.seen[1])
+        beyond = float(np.mean((x[0] < self.seen[0]) | (x[0] > self.seen[1])))
+        causes = _fallen_back(causes, beyond)
         low, value, high = np.exp(self.sizes(x, "S")[0]).tolist()
         low_j, value_j, high_j = np.exp(self.sizes(x, "J")[0]).tolist()
         jump = (min(value_j, value), min(low_j, low), min(high_j, high))
-        return Opinion(
-            dict(sorted(causes.items(), key=lambda item: -item[1])), (value, low, high), jump, float(beyond.mean())
-        )
+        return Opinion(dict(sorted(causes.items(), key=lambda item: -item[1])), (value, low, high), jump, beyond)
 
     def shares(self, features: Mapping[str, float]) -> dict[str, float]:
         """What each feature of one record adds to the log odds of stiction [-], by name; see ``Trees.shares``."""
-        x = np.array([features[name] for name in self.names])
+        x = np.array([features.get(name, np.nan) for name in self.names])
         return dict(zip(self.names, (self.platt[0] * self.trees["sticky"].shares(x)).tolist(), strict=True))
 
     def write(self, file: Path) -> None:
         """Keep the model in an open archive of arrays."""
         arrays: dict[str, Any] = {f"{k}/{name}": v for k, t in self.trees.items() for name, v in t.arrays().items()}
         numbers = {
-            "schema": SCHEMA, "platt": self.platt, "accuse": self.accuse, "clear": self.clear, "hidden": self.hidden,
+            "schema": SCHEMA, "platt": self.platt, "accuse": self.accuse, "clear": self.clear,
             "causes": self.causes, "about": dict(self.about),
         }  # fmt: skip
         np.savez_compressed(
@@ -140,8 +136,19 @@ class Model:
         a, b = numbers["platt"]
         return cls(
             tuple(arrays["names"].tolist()), tuple(numbers["causes"]), trees, (a, b), numbers["accuse"],
-            numbers["clear"], numbers["hidden"], arrays["widths"], arrays["seen"], numbers["about"],
+            numbers["clear"], arrays["widths"], arrays["seen"], numbers["about"],
         )  # fmt: skip
+
+
+def _fallen_back(causes: dict[str, float], beyond: float) -> dict[str, float]:
+    """Causes whose odds of stiction fall back to even as the features leave those of all simulated loops.
+
+    >>> _fallen_back({"stiction": 0.75, "healthy": 0.25}, FAR)
+    {'stiction': 0.5, 'healthy': 0.5}
+    """
+    p = min(max(causes["stiction"], 1e-12), 1.0 - 1e-12)
+    told = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR, 0.0))
+    return {name: told if name == "stiction" else q * (1.0 - told) / (1.0 - p) for name, q in causes.items()}
 
 
 @cache

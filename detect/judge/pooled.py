@@ -1,6 +1,8 @@
 """One valve, many records: one answer, from what every record says and from the evidence that they add up to.
 
-    odds of stiction   = median over the records of the model's odds, times those of the pooled evidence (``earned``)
+    odds of stiction   = median over the records of the model's odds, and where the pooled evidence calls dead travel,
+                         times exp(min((G - g) / 10, 5)),   G its gain, g that of the middle record [nats]
+    called             only where a record calls it, or the pooled evidence does; one record has its own answer
     seen               where more than half of the records show the stem or the valve's own slips, these answer
     cleared            only where that is the median, no record calls stiction, and the pooled evidence excludes it
 
@@ -18,7 +20,7 @@ import numpy as np
 from stickslip.detect.chances import chance
 from stickslip.detect.judge.actions import CAUSES
 from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
-from stickslip.detect.judge.earned import usable, with_evidence
+from stickslip.detect.judge.earned import usable
 from stickslip.detect.judge.model import Model, Opinion, calibrated
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.words import said
@@ -26,6 +28,9 @@ from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Word
 
 __all__ = ["evidence_of_all", "pooled"]
+
+TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
+DEAD_TRAVEL = ("stiction", "deadband")
 
 
 def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[int, ...]]:
@@ -40,9 +45,12 @@ def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[i
 
 
 def pooled(
-    loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None
-) -> Answer:
-    """Return the answer on one valve from its records, what is said of each, and their evidence."""
+    loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None,
+    each: str = "records",
+) -> Answer:  # fmt: skip
+    """Return the answer on one valve from its records (called ``each``), what is said of them, and their evidence."""
+    if len(answers) == 1:
+        return answers[0]
     model = model or calibrated()
     seen = [a for a in answers if a.probability is None and a.word == "stiction"]
     judged = [a for a in answers if a.probability is not None]
@@ -51,18 +59,22 @@ def pooled(
     evidence = "" if found is None else said(found, percent)
     if 2 * len(seen) > len(answers):
         first = max(seen, key=lambda a: 0.0 if a.S is None else a.S.value)
-        return replace(first, reason=f"In {len(seen)} of {len(answers)} records: {first.reason}")
+        return replace(first, reason=f"In {len(seen)} of {len(answers)} {each}: {first.reason}")
+    followed = [a for a in answers if a.probability is None and a.word == "no_stiction"]
+    if not judged and followed and not seen:  # by their logged stems; the coarsest says what is excluded
+        return max(followed, key=lambda a: 0.0 if a.limit is None else a.limit[0])
     if not judged:
-        reason = f"None of the {len(answers)} records can be judged. {answers[0].reason}"
+        reason = f"None of the {len(answers)} {each} can be judged. {answers[0].reason}"
         return Answer("not_applicable", None, {}, None, None, None, reason, "")
     names = judged[0].causes
     mean = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
     total = math.fsum(mean.values())
     plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
-    opinion = with_evidence(plain, found)
+    opinion = _raised(plain, found)
     p = opinion.probability
     integrates = any(loop.integrating for loop in loops)
-    word: Word = "stiction" if p >= (LEVEL if integrates else model.accuse) else "inconclusive"
+    called = any(a.word == "stiction" for a in answers) or (found is not None and found.accuses)
+    word: Word = "stiction" if called and p >= (LEVEL if integrates else model.accuse) else "inconclusive"
     excused = found is not None and found.clears and not any(a.word == "stiction" for a in answers)
     if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
         word = "no_stiction"
@@ -70,7 +82,7 @@ def pooled(
     told = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
     level = f" {LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on." if integrates and word != "stiction" else ""
     reason = (
-        f"{len(answers)} records of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
+        f"{len(answers)} {each} of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
         f"{CAUSES[_second(opinion)].spoken} {chance(opinion.causes[_second(opinion)])}.{level} {evidence}"
     )
     S = _size(found, [a.S for a in answers if a.S is not None], unit)
@@ -85,6 +97,22 @@ def pooled(
     return Answer(word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action)
 
 
+def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:
+    """The opinion with the odds of dead travel raised by what the records gain together beyond the middle one.
+
+    Ten nats count as one, because errors of a wrong model agree with each other; no evidence counts for more than five,
+    because PV may have reasons that no rival has.
+    """
+    if found is None or not found.accuses:
+        return opinion
+    more = found.gain - float(np.median([day.gain for day in found.days]))
+    raised = math.exp(min(max(more, 0.0) / TEMPER, MOST))
+    odds = {name: p * (raised if name in DEAD_TRAVEL else 1.0) for name, p in opinion.causes.items()}
+    total = math.fsum(odds.values())
+    causes = dict(sorted(((name, p / total) for name, p in odds.items()), key=lambda item: -item[1]))
+    return replace(opinion, causes=causes)
+
+
 def _odds(p: float) -> float:
     p = min(max(p, 1e-6), 1.0 - 1e-6)
     return p / (1.0 - p)
@@ -95,8 +123,8 @@ def _second(opinion: Opinion) -> str:
 
 
 def _size(found: Evidence | None, own: Sequence[Amount], unit: str) -> Amount | None:
-    """S of the evidence where that calls it, else the middle of what the records say."""
-    if found is not None and found.accuses:
+    """The middle of what the records say; S of the evidence where few say one, which comes out small in noise."""
+    if found is not None and found.accuses and 2 * len(own) < len(found.days):
         return Amount(found.S, found.low, found.high, unit)
     if not own:
         return None

@@ -6,14 +6,16 @@
     G       = max of G(S) over S >= 0.1 of OP's travel [nats];   G_d = G without the best tenth of any record
     against = loss of the likeliest S >= 0.15 of OP's travel against the best rival [nats]
 
+    unpaid  = the most that any play or stick gains over the best rival at any delay, not paying for its size [nats]
     bent    = the most that a stick, a bent characteristic, another answer each way or a sensor with hysteresis gains
               over a straight line [nats]
 
 A valve has dead travel where G >= 10, G_d >= 5, the stem turns at least four times and, of days that tell anything,
 no more speak against than for it and no single one is all there is: all that at two of three delays beside each other.
-It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, a straight line tells PV
-best, PV answers OP by 10 nats at all, that answer keeps sign and size over the delays, and OP turns at least four
-times.  Else the record leaves it open, and so it does where there are fewer than ten samples between two turns of OP.
+It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, no play or stick beats
+the best rival at any delay, a straight line tells PV best, PV answers OP by 10 nats at all, that answer keeps sign and
+size over the delays, and OP turns at least four times.  Else the record leaves it open, and so it does where there are
+fewer than ten samples between two turns of OP.
 Bootstrap tests pass a one-way drift; turns, the tenth and delays do not.  A valve that sticks often makes a bent rival
 look good, in place of the stick: of 170 sticky loops (training law, seed 70001) 10 lost every S without the rule on the
 straight line, and 3 with it, two of them of S below 0.15 of OP's travel.
@@ -67,7 +69,7 @@ class Evidence:
     travel : OP's, median over the records [its unit]
     sizes, curve : (m,) S [unit of OP] and G(S) [nats] at the delay that is shown
     tenths : (10 records,) log-likelihood gained in each tenth of each record [nats]
-    turned : turns of OP in all records;  between : samples between two of them, median;  bent : [nats]
+    turned : turns of OP in all records;  between : samples between two of them, median;  bent, unpaid : [nats]
      days : one a record, in order
     shapes : of the best stem in each record, as ``Stems.stem`` takes it
     """
@@ -93,6 +95,7 @@ class Evidence:
     turned: int
     between: float
     bent: float
+    unpaid: float
     days: tuple[Day, ...]
     shapes: tuple[Values, ...]
 
@@ -112,11 +115,16 @@ class Evidence:
         return self.gain > 0.0
 
     @property
-    def clears(self) -> bool:
-        """Whether every S from ``EXCLUDED`` of OP's travel on is excluded, and PV answers OP."""
+    def excludes(self) -> bool:
+        """Whether every S from ``EXCLUDED`` of OP's travel on is excluded, a line tells PV best and PV answers OP."""
         hidden = self.excluded > EXCLUDED * self.travel * 10.0 ** (1.0 / COARSE)  # the next size of the grid
         told = self.answers >= ANSWERS and self.steady and self.turned >= TURNS
         return not hidden and told and self.bent <= 0.0 and not self.coarse
+
+    @property
+    def clears(self) -> bool:
+        """Whether that clears the valve: no play or stick of any size beats the rivals at any delay, either."""
+        return self.excludes and self.unpaid <= 0.0
 
     @property
     def claim(self) -> float:
@@ -137,6 +145,7 @@ class _At:
     gain: float
     without_best: float
     turns: int
+    unpaid: float
     size: int
     jumps: bool
     total: Values
@@ -189,7 +198,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
         min(_answers(one.kept) for one in at[-3:]), _steady(answers), travel,
         10.0 ** (grid / FINER), at[shown].total.max(axis=1), best.tenths,
         sum(one.rows.turned for one in records), float(np.median([one.rows.between for one in records])),
-        max(_bent(one.kept, one) for one in at), days, shapes,
+        max(_bent(one.kept, one) for one in at), max(one.unpaid for one in at), days, shapes,
     )  # fmt: skip
 
 
@@ -197,7 +206,7 @@ def _summed(
     parts: Sequence[Gains], grid: npt.NDArray[np.intp], freedom: int, rival: str, rows: int
 ) -> tuple[Values, list[npt.NDArray[np.intp]]]:
     """G at every size of the grid, (m, 2), and which size of each record makes it up, [(m, 2)] columns."""
-    total = np.zeros((len(grid), 2)) - 0.5 * math.log(rows) * np.array([1.0, 2.0])
+    total = np.zeros((len(grid), 2)) - _paid(rows)
     chosen = []
     for part in parts:
         near = np.abs(np.clip(grid, part.sizes[0], part.sizes[-1])[:, None] - part.sizes[None, :]) <= freedom
@@ -209,12 +218,16 @@ def _summed(
     return total, chosen
 
 
+def _paid(rows: int) -> Values:
+    """What S, and S and J, cost [nats], (2,)."""
+    return 0.5 * math.log(rows) * np.array([1.0, 2.0])
+
+
 def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.intp], least: float) -> _At:
     """The pool at one delay of each record."""
     rival = max(kept[0].rivals, key=lambda name: sum(part.rivals[name][0] for part in kept))
-    total, chosen = _summed(
-        kept, grid, FINER // COARSE if len(kept) > 1 else 0, rival, sum(one.count for one in records)
-    )
+    rows = sum(one.count for one in records)
+    total, chosen = _summed(kept, grid, FINER // COARSE if len(kept) > 1 else 0, rival, rows)
     allowed = np.where((grid >= least)[:, None], total, -np.inf)
     i, j = (int(n) for n in np.unravel_index(int(np.argmax(allowed)), allowed.shape))
     if j and total[i, 1] < allowed[:, 0].max() + JUMP:  # a jump is told only where it gains
@@ -230,7 +243,10 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
     adds = [part.score[a, j] - part.rivals[rival][0] for part, a in zip(kept, at, strict=True)]
     agree = sum(x > SAYS for x in adds) >= sum(x < -SAYS for x in adds) and (len(adds) == 1 or gain > max(adds))
     holds = gain >= GAIN and without >= WITHOUT_BEST and turned >= TURNS and agree
-    return _At(holds, gain, without, turned, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections)
+    unpaid = float((total + _paid(rows)).max())
+    return _At(
+        holds, gain, without, turned, unpaid, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections
+    )
 
 
 def _nearer(coarse: _At, records: Sequence[Stems], ks: Sequence[int], least: float) -> _At:

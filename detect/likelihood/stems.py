@@ -148,17 +148,6 @@ class Stems:
             self._inputs_of[sizes] = Tried(S, jumps, laws, starts, stems)
         return self._inputs_of[sizes]
 
-    @cached_property
-    def promise(self) -> float:
-        """By how many nats a play or a full stick seems to tell PV better than OP; one look, with fixed weights."""
-        k, rows = self.ks[1], self.rows
-        least = FINER * math.log10(0.1 * rows.travel)
-        sizes = [10.0 ** (i / FINER) for i in self.size_range() if i >= least]
-        tried = [(S, j, law, 0.0) for S in sizes for j, law in (JUMPS[0], JUMPS[2], JUMPS[4])]
-        inputs = rows.input(np.column_stack([rows.op, _stems(rows.op, *np.array(tried).T)]))
-        told = self._screened(inputs, k)
-        return 0.5 * self.count * float(np.max(told[1:]) - told[0])
-
     @property
     def count(self) -> int:
         """Rows that count."""

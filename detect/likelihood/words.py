@@ -45,6 +45,8 @@ def _hides(e: Evidence, unit: str) -> str:
         return "PV shows no answer to OP"
     if e.turned < TURNS:
         return f"OP turns back {e.turned} times only ({TURNS} needed)"
+    if e.unpaid > 0.0:
+        return "at one delay a stem with dead travel of some size does, if nothing is paid for its size"
     if e.bent > 0.0:
         return f"PV answers OP by no straight line ({e.bent:.3g} nats), as where a valve sticks"
     if not e.steady:

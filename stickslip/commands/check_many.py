@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip.commands.console import Speaker, complain
+from stickslip.commands.tag_page import DAYS, tag_section
 from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 SCHEMA = "stickslip.check-many/1"
 COLUMNS = ("loop", "verdict", "seen in", "probability", "period [s]", "OP travel [%]", "what the other tags show")
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
-DAYS = ("record", "by itself", "S", "gain [nats]", "adds [nats]", "reversals")
 OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
 
 
@@ -209,12 +209,7 @@ def _page(
             if one.groups:
                 section.figures.append(figure_to_svg(one.plot()))
             shared.append(section)
-    for tag in tags:
-        told = WORDS[tag.verdict]
-        name, answer = f"{tag.tag}: {len(tag.records)} records", tag.answer
-        section = Section(name, told.spoken.upper(), told.kind, answer.reason, after=answer.action)
-        section.figures += [figure_to_svg(tag.plot()), table_to_html(list(DAYS), tag.rows)]
-        shared.append(section)
+    shared += [tag_section(tag) for tag in tags]
     answers = [one for _, found in judged for one in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
     links = [f"#s{1 + len(shared) + number}" for number, _ in rows]

@@ -147,6 +147,7 @@ def _reports(
     """Write a page for each of the first loops into a folder beside the page of the scan; return where each is."""
     from stickslip.commands.loop_page import loop_page
     from stickslip.commands.scan_page import file_names
+    from stickslip.commands.tag_page import tag_page
     from stickslip.detect import diagnose
     from stickslip.diagram.progress import reporting
     from stickslip.scan.again import read_again
@@ -155,11 +156,23 @@ def _reports(
     names = file_names(rows)
     folder = html.with_name(f"{html.stem}-loops")
     folder.mkdir(exist_ok=True)
+    valves = {
+        row["order"]: (row["loop"], [int(one) for one in row["records"].split()]) for row in rows if row["records"]
+    }
     written: dict[int, str] = {}
     with reporting(None, 0, "reports") as tell:
-        for order, record in read_again(source, out, list(names), loop_map=loop_map):
-            if not isinstance(record, str):
-                write_whole(folder / names[order], loop_page(diagnose(record)).encode())
-                written[order] = f"{folder.name}/{names[order]}"
+
+        def keep(order: int, text: str) -> None:
+            write_whole(folder / names[order], text.encode())
+            written[order] = f"{folder.name}/{names[order]}"
             tell(len(written), len(names))
+
+        for order, record in read_again(source, out, [o for o in names if o not in valves], loop_map=loop_map):
+            if not isinstance(record, str):
+                keep(order, loop_page(diagnose(record)))
+        for order, (name, parts) in valves.items():
+            again = read_again(source, out, parts, loop_map=loop_map)
+            found = [record for _, record in again if not isinstance(record, str)]
+            if found:
+                keep(order, tag_page(name, found))
     return written

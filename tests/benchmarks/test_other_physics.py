@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from stickslip.calibration.crossed.drawing import draw
+from stickslip.calibration.crossed.history import seen
+from stickslip.calibration.crossed.stems import GAIN, JUMPLESS, LAWS, moved
 
-from benchmarks.other_physics.drawing import draw
-from benchmarks.other_physics.history import seen
 from benchmarks.other_physics.judging import judged, runs
 from benchmarks.other_physics.scoring import LEAK, figures, leaks
-from benchmarks.other_physics.stems import GAIN, JUMPLESS, LAWS, moved
 
 S, J = 6.0, 2.0
 

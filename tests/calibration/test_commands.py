@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from stickslip.calibration.__main__ import calibration
-from stickslip.detect.judge.features import patterns
 from stickslip.detect.judge.model import FILE, Model
 
 LOOPS = 28  # of a part: every kind is among them
@@ -12,20 +11,15 @@ LOOPS = 28  # of a part: every kind is among them
 
 @pytest.fixture
 def small(monkeypatch, tmp_path, here):
-    """Parts of a few loops, few kernels, and pattern scores that are kept elsewhere."""
+    """Parts of a few loops."""
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    for place in ("records", "patterns"):
-        monkeypatch.setattr(f"stickslip.calibration.{place}.PART", LOOPS)
-    monkeypatch.setattr("stickslip.calibration.patterns.COUNT", {"odd": 21, "even": 14})
+    monkeypatch.setattr("stickslip.calibration.records.PART", LOOPS)
     monkeypatch.setattr("stickslip.calibration.records.processes", here)
-    monkeypatch.setattr(patterns, "FILE", tmp_path / "patterns.npz")
-    patterns.shipped.cache_clear()
-    yield tmp_path
-    patterns.shipped.cache_clear()
+    return tmp_path
 
 
 def test_a_model_is_made_from_nothing(small):
-    sizes = ["--loops", "112", "--holding", "56", "--patterns", "112", "--network", "0", "--trees", "20"]
+    sizes = ["--loops", "112", "--holding", "56", "--network", "0", "--trees", "20"]
     places = ["--folder", str(small / "parts"), "--out", str(small / "model.npz")]
     done = CliRunner().invoke(calibration, ["train", *sizes, *places], catch_exceptions=False)
     assert done.exit_code == 0, done.output
@@ -35,5 +29,3 @@ def test_a_model_is_made_from_nothing(small):
     assert made.about["fitted_on"] <= 196 and made.about["calibrated_on"] <= 56
     p, others = made.probabilities(np.zeros((1, len(made.names))))
     assert p + others.sum(axis=1) == pytest.approx([1.0])
-    read = patterns.Readout.read(small / "patterns.npz")
-    assert len(read.odd.channel) == 21 and set(read.kinds) >= {"cycling", "excited", "healthy"}

@@ -8,8 +8,7 @@ from stickslip.calibration.network import MISSING, fit
 from stickslip.calibration.scoring import auc
 from stickslip.calibration.signals import Examples, examples
 from stickslip.detect.judge.features.channels import MOST
-from stickslip.detect.judge.features.network import CHANNELS
-from stickslip.detect.judge.features.patterns import LEAST
+from stickslip.detect.judge.features.network import CHANNELS, LEAST, shipped_network
 
 RNG = np.random.default_rng(5)
 
@@ -72,3 +71,30 @@ def test_without_torch_the_command_says_what_to_do(monkeypatch, tmp_path):
     done = CliRunner().invoke(calibration, ["train", "--folder", str(tmp_path / "parts")])
     assert done.exit_code == 2 and MISSING in " ".join(done.output.split())
     assert not (tmp_path / "parts").exists()  # before anything is simulated
+
+
+def test_a_network_that_goes_on_is_at_first_the_one_it_began_with():
+    torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
+    from stickslip.calibration.network import go_on, taken, untrained
+
+    begun = shipped_network()
+    model = untrained(len(begun.kinds))
+    go_on(model, begun)
+    same = taken(model, begun.kinds)
+    for name, w in begun.weights.items():
+        assert same.weights[name] == pytest.approx(w, abs=1e-6), (
+            name
+        )  # analytic: normed by a mean of 0, a variance of 1
+    x = torch.from_numpy(RNG.normal(size=(1, CHANNELS, 144)).astype(np.float32))
+    model.fc.training = model.training = False  # drops nothing
+    with torch.no_grad():
+        z, _ = model(x, torch.tensor([144]))
+    told = begun.scores(x[0].numpy())[: len(begun.kinds)]
+    assert told == pytest.approx(torch.log_softmax(z, 1)[0].numpy().clip(LEAST), abs=1e-3)
+
+
+def test_a_network_that_goes_on_refuses_kinds_that_it_does_not_know():
+    pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
+    with pytest.raises(ValueError, match="knows no new kind"):
+        loops = made(20)
+        fit(Examples(loops.x, loops.length, np.full(20, "new kind"), loops.size), begun=shipped_network())

@@ -1,6 +1,7 @@
 """A probability is never said to be 0 % or 100 %, and a report on a plainly sticky valve says so."""
 
 import re
+from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -22,7 +23,9 @@ def test_the_answer_and_the_page_do_not_claim_certainty():
     from stickslip.commands.loop_page import loop_page
 
     diagnosis = diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv"))
-    assert diagnosis.probability >= 0.995, "snapshot: this example is as clear as any"
-    assert "Probability of stiction over 99 %" in diagnosis.reason
-    page = loop_page(diagnosis)
+    # snapshot: as clear as any; of 88 crossed loops above 95 % that no tree saw and that had no deadband, 3 were sound
+    assert diagnosis.probability >= 0.975
+    assert "Probability of stiction 98 %" in diagnosis.reason
+    certain = replace(diagnosis, probability=0.9999)
+    page = loop_page(certain)
     assert "over 99 %" in page and not re.search(r"stiction (<[^>]*>)*100 ?%", page)

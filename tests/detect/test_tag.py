@@ -58,6 +58,14 @@ def test_the_same_record_counts_once():
     assert twice.counted == (0,) and twice.evidence.gain == pytest.approx(once.evidence.gain)
 
 
+def test_a_record_by_itself_keeps_its_answer():
+    alone = said("inconclusive", 0.97)  # its record settles nothing, however probable
+    found = judge_tag("FIC1", [record(seed=1, S=0.0, noise=0.05)], [alone])
+    assert found.answer is alone
+    days = [record(seed=seed, S=0.0, noise=0.05) for seed in (1, 2)]
+    assert judge_tag("FIC1", days, [alone, alone]).verdict == "inconclusive"  # nor do two of them
+
+
 def test_no_records():
     with pytest.raises(ValueError, match="records of FIC1 is empty"):
         judge_tag("FIC1", [])

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.channels import LAGS, innovations
-from stickslip.detect.judge.features.stems import stick_lanes
+from stickslip.detect.prepare.stick import stick
 
 __all__ = ["CANDIDATES", "candidates"]
 
@@ -36,7 +36,7 @@ def candidates(u: Values, y: Values) -> Values:
     """
     span = float(np.subtract(*np.percentile(u, (99, 1)))) or 1.0
     S = SHARES * span
-    x = stick_lanes(u[None], S, JUMP * S, np.zeros(len(S)))[:, 0].T
+    x = stick(u, S, JUMP * S, np.zeros(len(S))).T
     steps = np.diff(x, axis=1, prepend=x[:, :1])
     steps /= np.sqrt(np.mean(steps**2, axis=1, keepdims=True)) + 1e-6
     new = np.stack([innovations(one, y) for one in x])

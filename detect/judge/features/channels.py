@@ -1,11 +1,11 @@
-"""The signals that are searched for patterns: OP, PV, e, their steps, and the innovations of PV, on 16 points a turn.
+"""The signals that the network looks at: OP, PV, e, their steps, and what is new in PV, on 16 points a turn.
 
     u, y, e     over their standard deviation              du, dy   steps over theirs
     r           y less its least-squares prediction from four past values of y and of u at lags 1, 2, 3, 5, 8
     w           travel of OP since it last turned, over its range
 
 Those seven are odd: they change sign if OP and PV do.  Read along the way of OP, that is times the sign of w, they are
-even, and every half cycle looks alike:   r, dy, |w|, e, du.
+even, and every half cycle looks alike:   r, dy, |w|.
 """
 
 from __future__ import annotations
@@ -14,23 +14,22 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.view import View
 
-__all__ = ["EVEN", "ODD", "channels", "innovations", "since_turn"]
+__all__ = ["EVEN", "ODD", "channels", "innovations"]
 
 Values = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
-ODD, EVEN = 7, 5
+ODD, EVEN = 7, 3
 TURN = 16.0  # points a turn
 LOOKED_AT = 1000  # points of the view
 LEAST, MOST = 60, 1024  # points
 PAST, LAGS = (1, 2, 3, 4), (1, 2, 3, 5, 8)
 CLIP = 6.0
 BACK = 0.1  # of OP's range: a smaller way back is no turn
-BINS = 10  # of the travel since a turn
 
 
-def channels(v: View) -> tuple[Singles, Singles, Values]:
-    """The odd (7, n) and even (5, n) channels, and ``since_turn``, (4 ``BINS``,)."""
+def channels(v: View) -> tuple[Singles, Singles]:
+    """The odd (7, n) and even (3, n) channels."""
     u, y, e = (_read(x[:LOOKED_AT], v.turn) for x in (v.u, v.y, v.e))
     r = innovations(u, y)
     r = np.clip(r / max(float(r.std()), 1e-6), -CLIP, CLIP)
@@ -40,20 +39,8 @@ def channels(v: View) -> tuple[Singles, Singles, Values]:
     way = np.where(w >= 0.0, 1.0, -1.0)
     steps, moves = np.clip(dy, -CLIP, CLIP), np.clip(du, -CLIP, CLIP)
     odd = np.stack([u, y, e, moves, steps, r, 2.0 * w])
-    even = np.stack([r * way, steps * way, 2.0 * np.abs(w), e * way, moves * way])
-    return odd.astype(np.float32), even.astype(np.float32), since_turn(w, r, dy)
-
-
-def since_turn(w: Values, r: Values, dy: Values) -> Values:
-    """Mean of r and of dy along the way of OP, and of their squares, by the travel of OP since it turned.
-
-    A sticky valve leaves PV behind at first, then lets it go at once, where OP has travelled by S.
-    """
-    at = np.clip((np.abs(w) * BINS).astype(np.intp), 0, BINS - 1)
-    way = np.where(w >= 0.0, 1.0, -1.0)
-    count = np.bincount(at, minlength=BINS) + 1.0
-    sums = [np.bincount(at, x, minlength=BINS) for x in (way * r, r * r, way * dy, dy * dy)]
-    return np.concatenate([sums[0] / np.sqrt(count), *(s / count for s in sums[1:])])
+    even = np.stack([r * way, steps * way, 2.0 * np.abs(w)])
+    return odd.astype(np.float32), even.astype(np.float32)
 
 
 def _read(x: Values, turn: float) -> Values:
@@ -70,7 +57,7 @@ def _over(x: Values) -> Values:
 
 
 def innovations(u: Values, y: Values) -> Values:
-    """The innovations of y (n,) given its past and u (n,): ``r`` of the module, zero where the past is short."""
+    """What is new in y (n,) beside its past and u (n,): ``r`` of the module, zero where the past is short."""
     deep, n = max(LAGS), len(u)
     past = [y[deep - k : n - k] for k in PAST] + [u[deep - k : n - k] for k in LAGS]
     columns = np.stack([np.ones(n - deep), *past])
@@ -81,6 +68,6 @@ def innovations(u: Values, y: Values) -> Values:
 
 
 def _travelled(u: Values, back: float) -> Values:
-    from stickslip.detect.judge.features.convolutions import travelled
+    from stickslip.detect.judge.features.travel_kernels import travelled
 
     return np.asarray(travelled(u, back))

@@ -23,21 +23,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.candidates import CANDIDATES, candidates
-from stickslip.detect.judge.features.channels import ODD, channels
-from stickslip.detect.judge.features.patterns import LEAST, STICKY
+from stickslip.detect.judge.features.channels import EVEN, ODD, channels
 from stickslip.detect.judge.features.view import View
 
 __all__ = [
-    "CHANNELS", "FILE", "FLIPPED", "LAYERS", "STRIDE", "Network", "network_features", "one_look", "seen_by",
+    "CHANNELS", "FILE", "FLIPPED", "LAYERS", "STICKY", "STRIDE", "Network", "network_features", "one_look", "seen_by",
     "shipped_network",
 ]  # fmt: skip
 
 Singles = npt.NDArray[np.float32]
 FILE = Path(__file__).parents[1] / "network.npz"
 
-ALONG = 3  # even channels
-CHANNELS = ODD + ALONG + CANDIDATES
-FLIPPED = np.r_[np.ones(ODD), np.zeros(ALONG), np.ones(CANDIDATES)].astype(bool)  # change sign if OP and PV do
+CHANNELS = ODD + EVEN + CANDIDATES
+FLIPPED = np.r_[np.ones(ODD), np.zeros(EVEN), np.ones(CANDIDATES)].astype(bool)  # change sign if OP and PV do
 SCALES = (0.93, 1.07)  # of the time between two points of x; wider ones differ more, but are seen less well
 KERNEL = {"stem": 9}  # taps, 5 elsewhere
 LAYERS = (  # name, points between two, taps spread by, whether what it finds is added to what it got
@@ -45,14 +43,16 @@ LAYERS = (  # name, points between two, taps spread by, whether what it finds is
     ("b5", 2, 1, False), ("b6", 1, 2, True),
 )  # fmt: skip
 POOLED = ("b2", "b4")
+LEAST = -12.0  # a score is no further from zero
+STICKY = ("cycling", "excited")  # kinds of loop whose valve sticks
 STRIDE = 16  # points of x in one of the last layer
 
 
 def seen_by(v: View) -> Singles:
     """What the network sees of a view, (``CHANNELS``, n)."""
-    odd, even, _ = channels(v)
+    odd, even = channels(v)
     own = candidates(odd[0].astype(np.float64), odd[1].astype(np.float64))
-    return np.concatenate([odd, even[:ALONG], own.astype(np.float32)])
+    return np.concatenate([odd, even, own.astype(np.float32)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,6 @@
     time       counted in turns: the mean time between two turns of OP by more than 0.3 of its range
     u, y, e    OP, PV, SP - PV, each over its own robust scale; y and e turned so that the process gain is positive
     recent     of a long record the last part, as the simulated ones are no longer: see ``prepare.recent``
-    stretches  up to three pieces of at most 300 points: the same at all of them is what a valve gives
 
 Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be told from it.
 Samples at which PV and OP both stand still to the bit are stale collection and are left out where they are many.
@@ -13,14 +12,13 @@ Samples at which PV and OP both stand still to the bit are stale collection and 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.prepare.controller import controller_sign
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.process_kind import kind_of_tag
-from stickslip.detect.prepare.recent import blocks, differenced_noise, recent, samples_per_turn
+from stickslip.detect.prepare.recent import blocks, recent, samples_per_turn
 
 __all__ = ["LONGEST", "View", "view_of"]
 
@@ -28,7 +26,6 @@ Values = npt.NDArray[np.float64]
 
 FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
 POINTS = 900  # beyond these the thinning goes down to COARSE
-STRETCH = 300  # points of a stretch
 STALE = 0.05  # share of stale samples from which on they are left out
 LONGEST = 7_200  # points of the grid that are looked at: the longest records that the model was fitted on
 
@@ -37,12 +34,9 @@ LONGEST = 7_200  # points of the grid that are looked at: the longest records th
 class View:
     """One record as the features see it.
 
-    u, y, e : (n,) [-], thinned; sp : (n,) [robust scales of PV] or None
+    u, y, e : (n,) [-], thinned
     turn : points between two turns [-]; block : samples of the grid in a point [-]
     travel : range of OP but for 1 % on either side, in units of u [-]
-    noise : standard deviation of the white noise on y before thinning [-]
-    stale : share of the samples at which OP and PV stand still together [-]
-    raw_u, raw_y : (m,) [-] the grid before thinning, on the same scales
     integrating : whether the process is known to integrate; None where nothing is known
     op_scale : one unit of u [unit of OP]
     seconds : length of what is looked at [s]
@@ -51,34 +45,15 @@ class View:
     u: Values
     y: Values
     e: Values
-    sp: Values | None
     turn: float
     block: int
     travel: float
-    noise: float
-    stale: float
-    raw_u: Values
-    raw_y: Values
     integrating: bool | None
     op_scale: float
     seconds: float
 
     def __len__(self) -> int:
         return len(self.u)
-
-    @cached_property
-    def stretches(self) -> npt.NDArray[np.intp]:
-        """First points of the stretches, and their common length as the last entry, (s + 1,)."""
-        n = len(self)
-        count = 3 if n >= 150 else 2 if n >= 80 else 1
-        size = min(n // count, STRETCH)
-        gap = (n - count * size) // max(count - 1, 1)
-        return np.array([k * (size + gap) for k in range(count)] + [size], dtype=np.intp)
-
-    def cut(self, x: Values) -> Values:
-        """A signal (n,) in its stretches, (s, m)."""
-        first, size = self.stretches[:-1], int(self.stretches[-1])
-        return np.stack([x[a : a + size] for a in first.tolist()])
 
 
 def view_of(loop: Prepared) -> View | None:
@@ -87,19 +62,18 @@ def view_of(loop: Prepared) -> View | None:
     >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(1000.0)
     >>> v = view_of(Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 16), op=50 - np.cos(t / 16), sp=0 * t)))
-    >>> v.block, round(v.turn), v.cut(v.u).shape
-    (2, 25, (3, 166))
+    >>> v.block, round(v.turn), len(v)
+    (2, 25, 500)
     """
     loop = loop.with_stale  # held samples are taken out below without cutting the record at each
     grid = loop.whole
     if len(grid) < 40:
         return None
     last = slice(recent(grid.op, LONGEST), None)
-    op, pv, e, sp = grid.op[last], grid.pv[last], grid.e[last], None if grid.sp is None else grid.sp[last]
+    op, pv, e = grid.op[last], grid.pv[last], grid.e[last]
     still = np.concatenate([[False], (np.diff(op) == 0.0) & (np.diff(pv) == 0.0)])
-    stale = float(np.mean(still))
-    if stale > STALE and np.sum(~still) >= 40:
-        op, pv, e, sp = op[~still], pv[~still], e[~still], None if sp is None else sp[~still]
+    if float(np.mean(still)) > STALE and np.sum(~still) >= 40:
+        op, pv, e = op[~still], pv[~still], e[~still]
     u_scale, y_scale = _scale(op), _scale(pv)
     if not (u_scale > 0.0 and y_scale > 0.0):
         return None
@@ -107,7 +81,6 @@ def view_of(loop: Prepared) -> View | None:
     u = (op - np.median(op)) / u_scale
     y = sign * (pv - np.median(pv)) / y_scale
     error = sign * e / y_scale
-    set_point = None if sp is None or np.ptp(sp) == 0.0 else sign * (sp - np.mean(sp)) / y_scale
     span = float(np.subtract(*np.percentile(u, (99, 1)))) or float(np.ptp(u))
     turn = samples_per_turn(u, span)
     n = len(u)
@@ -116,8 +89,7 @@ def view_of(loop: Prepared) -> View | None:
     if np.ptp(thinned) == 0.0 or np.ptp(followed) == 0.0:  # what moves is in the last samples, too few for a block
         return None
     return View(
-        u=thinned, y=followed, e=blocks(error, k), sp=None if set_point is None else blocks(set_point, k),
-        turn=max(turn / k, 2.0), block=k, travel=span, noise=differenced_noise(y), stale=stale, raw_u=u, raw_y=y,
+        u=thinned, y=followed, e=blocks(error, k), turn=max(turn / k, 2.0), block=k, travel=span,
         integrating=kind_of_tag(loop.record).integrating, op_scale=u_scale,
         seconds=float(grid.t[-1] - grid.t[last][0]),
     )  # fmt: skip

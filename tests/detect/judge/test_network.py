@@ -8,8 +8,8 @@ from scipy.signal import correlate
 from stickslip.detect.judge.features.candidates import CANDIDATES, JUMP, SHARES, candidates
 from stickslip.detect.judge.features.channels import innovations
 from stickslip.detect.judge.features.network import (
-    ALONG,
     CHANNELS,
+    EVEN,
     FILE,
     KERNEL,
     LAYERS,
@@ -133,7 +133,7 @@ def test_it_is_kept_in_half_precision(tmp_path):
 def test_the_shipped_one_is_small_and_cheap():
     assert FILE.stat().st_size < 500_000
     shown = view(STUCK, 50 + 5 * TRIANGLE)
-    assert seen_by(shown).shape[0] == CHANNELS == 7 + ALONG + CANDIDATES
+    assert seen_by(shown).shape[0] == CHANNELS == 7 + EVEN + CANDIDATES
     network_features(shown)
     start = time.process_time()
     for _ in range(10):

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 from scipy import stats
+from stickslip.calibration.crossed.drawing import draw
+from stickslip.calibration.crossed.history import seen
 from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.regression import lines
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.likelihood.words import said
+from stickslip.detect.prepare.prepared import Prepared
 
 from .loops import run
 
@@ -90,6 +93,16 @@ def test_no_stick_is_cleared_of_what_it_is_said_not_to_have():
         travel = float(np.subtract(*np.percentile(op, [98, 2])))
         found = evidence(S=share * travel, J=0.5 * share * travel, seed=seed)
         assert not (found.clears and found.claim <= share * travel)
+
+
+@pytest.mark.parametrize("number", [536, 828])  # stems that stick behind a positioner, cleared before
+def test_nothing_is_cleared_where_a_stick_beats_the_rivals_at_one_delay(number):
+    made = seen(draw(number + 1, 21)[number])
+    assert made.drawn.kind == "sticks" and made.travel < 1.0 / 0.15  # OP over S
+    found = Prepared(made.record).dead_travel
+    assert found.excluded <= 0.2 * found.travel and found.bent <= 0.0  # all else would clear it
+    assert found.unpaid > 0.0 and not found.clears
+    assert "at one delay a stem with dead travel of some size does" in said(found, percent=True)
 
 
 def test_too_few_samples_say_nothing():

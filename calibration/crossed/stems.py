@@ -13,7 +13,7 @@ Sources: M. Kano et al., IFAC DYCOPS 2004; Q. P. He et al., Ind. Eng. Chem. Res.
 import math
 from typing import Any
 
-from numba import njit
+from stickslip.logs.compiled import njit
 
 LAWS = ("kano", "he", "karnopp", "stribeck", "lugre", "backlash_and_stick", "dahl", "backlash")
 JUMPLESS = ("dahl", "backlash")

@@ -11,9 +11,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
-
-from benchmarks.other_physics.stems import moved
+from stickslip.calibration.crossed.stems import moved
+from stickslip.logs.compiled import njit
 
 DRIVERS = ("nothing", "moving_sp", "periodic_sp", "master", "load", "neighbour", "tuning")
 FORMS = ("position", "velocity", "pid")

@@ -11,10 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-
-from benchmarks.other_physics.drawing import Drawn
-from benchmarks.other_physics.loops import DRIVERS, FORMS, Numbers, run
-from benchmarks.other_physics.stems import LAWS, POSITIONERS
+from stickslip.calibration.crossed.drawing import Drawn
+from stickslip.calibration.crossed.loops import DRIVERS, FORMS, Numbers, run
+from stickslip.calibration.crossed.stems import LAWS, POSITIONERS
 
 LAG = {"flow": 4.0, "pressure": 25.0, "temperature": 250.0, "level": 60.0}  # s
 SOUND = 0.01  # share of the friction of a valve that sticks

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.calibration.crossed.drawing import Drawn
+from stickslip.calibration.crossed.loops import run
+from stickslip.calibration.crossed.tuning import tuned
 from stickslip.logs import LoopRecord
-
-from benchmarks.other_physics.drawing import Drawn
-from benchmarks.other_physics.loops import run
-from benchmarks.other_physics.tuning import tuned
 
 Values = npt.NDArray[np.float64]
 
@@ -39,15 +38,15 @@ def seen(d: Drawn) -> Seen:
     n = made.numbers
     out = np.zeros((4, n.steps // made.every))
     run(np.random.default_rng(d.seed), n, made.every, out)
-    sp, pv, op, stem = out[:, min(20, out.shape[1] // 10) :]
+    sp, pv, op, stem = (np.asarray(x, dtype=np.float64) for x in out[:, min(20, out.shape[1] // 10) :])
     dt = made.every * n.h
-    t = np.arange(len(pv)) * dt
-    pv = np.clip(pv, -50.0, 50.0)
+    t: Values = dt * np.arange(float(len(pv)))
+    pv = np.minimum(np.maximum(pv, -50.0), 50.0)
     if d.rounded > 0.0:
         step = d.rounded * max(float(np.ptp(pv)), 1e-9)
-        pv = np.round(pv / step) * step
+        pv = step * np.floor(pv / step + 0.5)  # to the nearest
     if d.compressed == "swinging_door":
-        pv, op = _swinging_door(t, pv, d.door), _swinging_door(t, op, 0.5 * d.door)
+        pv, op = (_swinging_door(t, x, door) for x, door in ((pv, d.door), (op, 0.5 * d.door)))
     elif d.compressed == "exceptions":
         pv, op = _exceptions(pv, d.door), _exceptions(op, 0.5 * d.door)
     tag = {"flow": "F", "pressure": "P", "temperature": "T", "level": "L"}[d.process] if d.told else "X"
