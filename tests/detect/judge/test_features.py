@@ -60,7 +60,10 @@ def of(t, sp, pv, op, **more):
     return features(Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, sp=sp, **more)))
 
 
-BASE = of(T, SP, PV, 50 + OP)
+@pytest.fixture(scope="module")
+def base():
+    """The features of the sticky loop."""
+    return of(T, SP, PV, 50 + OP)
 
 
 SIZES_AND_ODDS = ("network_S", "network_J", "network_sticky")
@@ -72,9 +75,9 @@ def read(found):
     return {**found, **{name: math.exp(found[name]) for name in kinds}}
 
 
-def differing(found, tolerance):
-    assert list(found) == list(BASE)
-    base = read(BASE)
+def differing(found, tolerance, base):
+    assert list(found) == list(base)
+    base = read(base)
     return {
         name: (base[name], value)
         for name, value in read(found).items()
@@ -94,17 +97,17 @@ def differing(found, tolerance):
     ],
     ids=["unit of OP", "unit of PV", "time", "gain", "action"],
 )
-def test_no_unit_offset_or_sign_is_left(same, tolerance):
-    apart = differing(same(), tolerance)
+def test_no_unit_offset_or_sign_is_left(same, tolerance, base):
+    apart = differing(same(), tolerance, base)
     assert {name for name in apart if name.startswith("network_")} == set()
     # sizes are tried on a grid in the unit of OP, whose steps lie elsewhere in another unit
     found = same()
-    assert found["travel_gain"] == pytest.approx(BASE["travel_gain"], rel=0.2, abs=2.0)
-    assert found["travel_S"] == pytest.approx(BASE["travel_S"], rel=0.15)
+    assert found["travel_gain"] == pytest.approx(base["travel_gain"], rel=0.2, abs=2.0)
+    assert found["travel_S"] == pytest.approx(base["travel_S"], rel=0.15)
 
 
-def test_nats_end_where_more_of_them_tell_no_more():
-    assert max(abs(value) for name, value in BASE.items() if name.startswith("travel_")) <= MOST
+def test_nats_end_where_more_of_them_tell_no_more(base):
+    assert max(abs(value) for name, value in base.items() if name.startswith("travel_")) <= MOST
 
 
 def test_a_record_that_cannot_be_weighed_has_no_features_of_dead_travel():
@@ -139,9 +142,9 @@ def test_hopeless_records_give_numbers_or_nan_and_no_warning():
         assert found is None or all(math.isnan(x) or math.isfinite(x) for x in found.values())
 
 
-def test_a_sticky_loop_and_a_healthy_one_differ_where_they_must():
+def test_a_sticky_loop_and_a_healthy_one_differ_where_they_must(base):
     rng = np.random.default_rng(2)
     load = np.convolve(rng.normal(size=1600), np.ones(60) / 20, mode="valid")[:1500]
     healthy = features(Prepared(record(*closed_loop(load=load, noise=0.02))))
-    assert BASE["travel_gain"] > 10.0 > 0.0 > healthy["travel_gain"]
-    assert BASE["network_sticky"] > healthy["network_sticky"] + 2.0
+    assert base["travel_gain"] > 10.0 > 0.0 > healthy["travel_gain"]
+    assert base["network_sticky"] > healthy["network_sticky"] + 2.0
