@@ -3,6 +3,7 @@
 python3 start.py              the demonstration: five short stories and one HTML page
 python3 start.py demo --help  any stickslip command follows the same way
 python3 start.py test         the tests, exactly as continuous integration runs them
+python3 start.py docs         the documentation as a site: build/site/index.html
 """
 
 import hashlib
@@ -11,21 +12,23 @@ import shutil
 import subprocess
 import sys
 import venv
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 HOME = Path(os.environ.get("STICKSLIP_VENV") or ROOT / ".venv").absolute()
 BIN = HOME / ("Scripts" if os.name == "nt" else "bin")
 
-TEST_STEPS = [
+CHECKS = [
     ["ruff", "check", "."],
     ["ruff", "format", "--check", "."],
     ["mypy"],
     ["python", "docs/words.py"],
+    ["python", "docs/build.py", "--check"],
     ["python", "-m", "benchmarks.simulate", "--quick"],
     ["python", "-m", "benchmarks.plant", "--quick"],
-    ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q"],
-]
+]  # none needs another, so two run at a time
+TESTS = ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q"]
 
 
 def installed(extra: str) -> None:
@@ -33,10 +36,12 @@ def installed(extra: str) -> None:
 
     Raises ``ValueError`` when that fails for a reason that the lines printed before do not say.
     """
-    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest() + extra
+    digest = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest()
+    wanted = digest + extra
+    enough = {wanted, digest + "[test]", *([] if extra else [digest + "[docs]"])}  # what has more serves for less
     stamp = HOME / "stickslip-installed"
     ours, runs = stamp.exists(), shutil.which("python", path=str(BIN)) is not None
-    if ours and runs and stamp.read_text() in (wanted, wanted.removesuffix(extra) + "[test]"):
+    if ours and runs and stamp.read_text() in enough:
         return
     if HOME != ROOT / ".venv" and HOME.exists() and not ours and (HOME.is_file() or any(HOME.iterdir())):
         raise ValueError(
@@ -69,15 +74,33 @@ def linked() -> None:
             link.symlink_to(Path("..", "..", "..", room), target_is_directory=True)
 
 
+def checked() -> int:
+    """Run the checks, print what each says, and return the exit code of the first that failed."""
+
+    def run(step: list[str]) -> subprocess.CompletedProcess[str]:
+        words = [str(BIN / step[0]), *step[1:]]
+        return subprocess.run(words, cwd=ROOT, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+    with ThreadPoolExecutor(2) as two:
+        for step, done in zip(CHECKS, two.map(run, CHECKS), strict=True):
+            print("+", *step)
+            print(done.stdout or "", end="", flush=True)
+            if done.returncode:
+                two.shutdown(cancel_futures=True)
+                return done.returncode
+    return 0
+
+
 def main() -> int:
-    """Run one of the two jobs; return its exit code."""
+    """Run one of the jobs; return its exit code."""
     if sys.version_info < (3, 11):
         print(f"Python {sys.version.split()[0]} is too old: stickslip needs 3.11 or later", file=sys.stderr)
         return 2
     arguments = sys.argv[1:] or ["demo"]
+    job = arguments[0] if arguments == ["test"] or arguments[0] == "docs" else ""
     try:
-        installed("[test]" if arguments == ["test"] else "")
-        if arguments == ["test"]:
+        installed(f"[{job}]" if job else "")
+        if job == "test":
             linked()
     except subprocess.CalledProcessError as failure:
         print(f"installing failed (exit code {failure.returncode}); the lines above say why", file=sys.stderr)
@@ -85,15 +108,12 @@ def main() -> int:
     except (ValueError, OSError) as failure:
         print(f"Error: {failure}", file=sys.stderr)
         return 2
-    if arguments != ["test"]:
+    if job == "docs":
+        return subprocess.run([str(BIN / "python"), "docs/build.py", *arguments[1:]], cwd=ROOT, check=False).returncode
+    if not job:
         return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
-    print("the tests take about eight minutes on two cores", flush=True)
-    for step in TEST_STEPS:
-        print("+", *step, flush=True)
-        code = subprocess.run([str(BIN / step[0]), *step[1:]], cwd=ROOT, check=False).returncode
-        if code:
-            return code
-    return 0
+    print("the tests take about a quarter of an hour on two cores", flush=True)
+    return checked() or subprocess.run([str(BIN / TESTS[0]), *TESTS[1:]], cwd=ROOT, check=False).returncode
 
 
 if __name__ == "__main__":

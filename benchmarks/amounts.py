@@ -5,7 +5,7 @@
 The stems of four blocks in four places: OP as a triangle in open loop, a PI on a flow and on a lag, a PI on a level.
 ``StickSlip`` in every size without noise and with little, the three sampled valves in two sizes without noise.
 An amount counts where the method calls stiction, because only then it states one.  ``--write`` makes the tables of
-``docs/amounts.md`` again, which ``tests/benchmarks/test_amounts.py`` holds to what is measured.
+``docs/evidence/amounts.md`` again, which ``tests/benchmarks/test_amounts.py`` holds to what is measured.
 """
 
 import re
@@ -41,7 +41,7 @@ from stickslip.logs import LoopRecord
 
 from benchmarks.report import Figures, options, publish
 
-PAGE = Path(__file__).parents[1] / "docs" / "amounts.md"
+PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "amounts.md"
 SIZES = ((4.0, 0.0), (4.0, 1.0), (4.0, 2.0), (4.0, 4.0), (2.0, 1.0), (8.0, 4.0))  # S, J [% of OP]
 NOISE = 0.02  # [% of span], on PV and on the stem
 PLACES = {"ramp": "OP up and down", "flow": "flow loop", "lag": "slow loop", "level": "level"}

@@ -151,11 +151,16 @@ def made_part(folder: Path, setting: Law, seed: int, kinds: Kinds = "usual") -> 
     return table([(record, truth) for _, record, truth in read(kept)])
 
 
+ROOMS_OF_FEATURES = (
+    "judge/features", "half_waves", "health", "likelihood", "oscillation", "prepare", "signals", "stem",
+)  # fmt: skip
+
+
 def _code() -> str:
     """What the features of simulated loops depend on, as a digest."""
     here = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for place in ("calibration", "detect/judge/features", "detect/likelihood", "detect/prepare"):
+    for place in ("calibration", *(f"detect/{room}" for room in ROOMS_OF_FEATURES)):
         for file in sorted((here / place).rglob("*.py")):
             digest.update(file.read_bytes())
     digest.update(NETWORK.read_bytes())

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 K, TAU, K_P, T_I = 3.0, 10.0, 0.4, 10.0  # thesis eq. 6.2
 NOISE = 0.004  # standard deviation of the sensor [unit of PV]
+WITHIN = 0.1  # share within which the site's noise and load are known
 LOAD, LOAD_TIME = 0.01, 60.0  # of the site's load: standard deviation [unit of the process input], time constant [s]
 STAIRS = (1.5, 1.8, 1.35, 1.65, 1.2, 1.5)  # set points of the cases
 DWELL = 600.0  # [s]
@@ -64,10 +65,10 @@ def site_flow(rest: float = 0.0) -> "Diagram":
 
     The controller is positional, its integral takes in the present error before the output is made.  The load at the
     process input is a first-order autoregression of standard deviation 0.01 and time constant 60 s; the sensor's noise,
-    0.004, is drawn at each scan.  ``rest`` [unit of PV] as in ``ideal_flow``.
+    0.004, is drawn at each scan.  Load and noise are known within 10 %.  ``rest`` [unit of PV] as in ``ideal_flow``.
 
     >>> site_flow().tolerances
-    {'process.K': 0.05, 'process.tau': 0.1}
+    {'feed.sd': 0.1, 'feed.correlation_time': 0.1, 'process.K': 0.05, 'process.tau': 0.1, 'sensor.sd': 0.1}
     """
     from stickslip.blocks import FirstOrder
 
@@ -102,7 +103,7 @@ def level_loop(rest: float = 0.5) -> "Diagram":
     the level at the start.
 
     >>> level_loop().tolerances
-    {'process.T': 0.1}
+    {'feed.sd': 0.1, 'feed.correlation_time': 0.1, 'process.T': 0.1, 'sensor.sd': 0.1}
     """
     from stickslip.blocks import Integrator
 
@@ -150,10 +151,12 @@ def _site(controller: "Block", process: "Block", rest: float, noise: float, name
         [
             controller,
             IdealValve(spans={"MV": (0.0, 1.0)}),
-            Noise("load", sd=LOAD, dt=1.0, correlation_time=LOAD_TIME, name="feed"),
+            Noise("load", sd=LOAD, dt=1.0, correlation_time=LOAD_TIME, name="feed").with_tolerances(
+                sd=WITHIN, correlation_time=WITHIN
+            ),
             Sum("F", {"MV": 1.0, "load": 1.0}, name="inflow"),
             process,
-            SampledSensor(dt=1.0, sd=noise, start=rest, inputs="y", outputs="PV"),
+            SampledSensor(dt=1.0, sd=noise, start=rest, inputs="y", outputs="PV").with_tolerances(sd=WITHIN),
             Historian(["SP", "PV", "OP", "MV"]),
         ],
         inputs=["SP"],

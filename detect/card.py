@@ -27,10 +27,10 @@ class Card:
     assumes : tuple of str
         Conditions in words.
     needs : tuple of Need
-        Those that are checked before the method looks at a record (``prepare.preconditions``): a sustained
-        oscillation, one of the loop's own making (``prepare.clock``), a set point that stands still, OP away from its
-        limits, PV not on a coarse grid, PV not compressed, OP not compressed, PV that follows OP, the kind of process
-        known, the stem position logged.
+        Those that are checked before the method looks at a record (``prepare.preconditions``): a sustained oscillation,
+        one of the loop's own making (``oscillation.clock``), a set point that stands still, OP away from its limits, PV
+        not on a coarse grid, PV not compressed, OP not compressed, PV that follows OP, the kind of process known, the
+        stem position logged.
     accuses : bool
         Whether it may say "stiction"; a method that only ranks tags or measures does not.
     cycles : float

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from stickslip.detect.chances import chance
+from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
 from stickslip.detect.judge.combine import Combine
 from stickslip.detect.judge.over_days import answer_over_days
@@ -14,11 +15,10 @@ from stickslip.detect.judge.pooled import pooled
 from stickslip.detect.judge.voted import beside, voted
 from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.method import Method
-from stickslip.detect.prepare.fact import Fact
-from stickslip.detect.prepare.harris import Harris
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.process_kind import kind_of_tag
-from stickslip.detect.prepare.swing import amplitude
+from stickslip.detect.signals.harris import Harris
+from stickslip.detect.signals.swing import amplitude
+from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LoopRecord

@@ -100,7 +100,7 @@ def judge_tag(tag: str, records: Sequence[Any], answers: Sequence[Answer | Diagn
     Raises ValueError for no record, and TypeError as ``prepared`` does.
 
     >>> import numpy as np
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> from stickslip.logs import LoopRecord
     >>> t, rng = np.arange(2000.0), np.random.default_rng(1)
     >>> u = 50 + 5 * np.sin(t / 25) + np.sin(t / 80)

@@ -83,7 +83,7 @@ class WindowTwin:
         return replace(state, buffer=buffer.last(self.window // 2), past=past)
 
     def verdict(self, p: Any, state: Watched) -> Verdict:
-        """What the method says now; equal to its ``detect`` while the record fits the window."""
+        """Return the verdict so far; it is that of the method's ``detect`` as long as the record fits the window."""
         if len(state.buffer) == 0:
             return Verdict.not_applicable(self.method.CARD.name, "too_few_cycles", "No sample has arrived yet.")
         loop = Prepared(state.buffer.record(state.facts))

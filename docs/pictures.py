@@ -90,12 +90,14 @@ def spread() -> None:
 
 
 def judged() -> None:
-    """The first story of the demonstration, and the loop of the README."""
+    """The first story of the demonstration, the loop of the README, and a sticky stem."""
     from stickslip.cases import find
     from stickslip.cases.stories import EXPORTS
+    from stickslip.cases.valve_pictures import figure_4_1
     from stickslip.detect import diagnose
     from stickslip.logs import read_loop
 
+    keep("stiction", figure_4_1())
     keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
     keep("loop", find("ideal_high").build().plot())
     keep("run", find("ideal_high").run().plot())
@@ -105,7 +107,7 @@ def verdicts() -> None:
     """The three pictures of ``docs/verdict.md``: dead travel that is found, one that is excluded, one of many days."""
     import numpy as np
     from stickslip.detect.methods import dead_travel
-    from stickslip.detect.prepare.stick import stick
+    from stickslip.detect.stem.stick import stick
     from stickslip.detect.tag import judge_tag
     from stickslip.logs import LoopRecord
 

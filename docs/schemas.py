@@ -113,7 +113,7 @@ def inputs(folder: Path) -> None:
 def hidden(file: Path) -> None:
     """Write two levels, of which another tag shows that the valve of one slips."""
     import numpy as np
-    from stickslip.detect.prepare.stick import stick
+    from stickslip.detect.stem.stick import stick
     from stickslip.logs import Log, LoopSignals
 
     t = np.arange(3000.0)

@@ -84,12 +84,27 @@ def pages(revision: str = "") -> dict[str, str]:
         names = _git("ls-tree", "-r", "--name-only", revision).splitlines()
         texts = {name: _git("show", f"{revision}:{name}") for name in names if _is_page(name)}
     else:
-        names = [str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]]
+        names = [str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.*")]]
         texts = {name: (ROOT / name).read_text() for name in names if _is_page(name)}
+    texts = {name: comments(text) if name.endswith(".py") else text for name, text in texts.items()}
     return dict(sorted(texts.items(), key=lambda page: (_is_evidence(page[0]), page[0])))
 
 
+def comments(script: str) -> str:
+    """Return the text of an example that is a script as a page in Markdown.
+
+    >>> comments('\"\"\"\\nHead\\n====\\n\\nSee.\\n\"\"\"\\n\\n# %%\\n# On\\n# ---\\n# Do.\\n\\ndo()  # it\\n').split()
+    ['#', 'Head', 'See.', '#', 'On', 'Do.']
+    """
+    head, _, rest = script.removeprefix('"""').partition('"""')
+    lines = [line.removeprefix("#").strip() for line in rest.splitlines() if line.startswith("#")]
+    text = f"{head}\n" + "\n".join("" if line == "%%" else line for line in lines)
+    return re.sub(r"^(.+)\n[=-]{3,}$", r"# \1", text, flags=re.M)
+
+
 def _is_page(name: str) -> bool:
+    if name.startswith(("docs/tutorials/", "docs/gallery/")):
+        return name.endswith(".py")
     return name.endswith(".md") and name != "CHANGELOG.md" and (name.startswith("docs/") or "/" not in name)
 
 

@@ -46,7 +46,8 @@ from stickslip.engine.sweep import gather_with_rates, rates, signal_rates, signa
 from stickslip.engine.table import Component
 
 FOR_EVER = np.iinfo(np.int64).max
-OWN = -1  # the run's own branch
+# The run's own branch; no literal, for which numba would compile what takes it once more.
+OWN: int = np.int64(-1)  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def event_call(I, row):  # type: ignore[no-untyped-def]
     return place
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def run_branch(ints, floats, buffer, grid, rows, row, modes, which, t_end, last):  # type: ignore[no-untyped-def]
     """Advance on one branch: ``OWN``, or twice the number of a mode, and one more to hold the block in it."""
     I, W = pointer_to(ints), pointer_to(floats)
@@ -148,7 +149,7 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def run_from(  # type: ignore[no-untyped-def]
     ints,
     floats,

@@ -14,6 +14,8 @@ from stickslip.engine.floats import copy
 from stickslip.engine.layout import CURRENT, EV_COUNT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
 from stickslip.engine.sweep import signals
 
+NOT_LAST = np.bool_(False)  # for the literal False numba would compile the engine once more
+
 
 @njit(cache=True, error_model="numpy")
 def restore(ints, floats, kept_ints, kept_floats):  # type: ignore[no-untyped-def]
@@ -46,18 +48,18 @@ def read(floats, places, z):  # type: ignore[no-untyped-def]
         z[i] = floats[places[i]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def arrive(ints, floats, buffer, no_rows, t):  # type: ignore[no-untyped-def]
     """Advance a run to an instant, before anything happens there; return a status."""
     ints[HOLD], ints[EV_COUNT] = 1, 0  # nobody reads the events
-    return advance(ints, floats, buffer, no_rows[0], no_rows, t, False)
+    return advance(ints, floats, buffer, no_rows[0], no_rows, t, NOT_LAST)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
     """Let everything happen that is due at the present instant; return a status."""
     ints[HOLD], ints[EV_COUNT] = 0, 0
-    return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], False)
+    return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], NOT_LAST)
 
 
 def kept_sizes(I: Ints) -> tuple[int, int]:

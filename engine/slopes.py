@@ -14,7 +14,7 @@ SAME = 1e-6  # share by which noise of two stops of one kind may differ: instant
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # type: ignore[no-untyped-def]
     """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
     no_rows = np.empty((1, 0))
@@ -28,7 +28,7 @@ def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # t
     return pass_instant(I, W, buffer, no_rows)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def slopes_at(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
     behind, y, A, B, H, G, turn,
@@ -111,7 +111,7 @@ def same_kind(base, behind, floats, modes, kinds, known, times, phi, sd, k):  # 
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def straight(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside,
     drawn,

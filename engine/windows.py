@@ -148,7 +148,7 @@ def set_back(ints, floats, saved_I, saved_W, cells, c):  # type: ignore[no-untyp
     ints[i + RHS], ints[i + JACOBIANS], ints[i + REJECTED] = rhs, jacobians, rejected
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
 def run_cell(ints, floats, cells, c, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
     """Advance one cell over the window, its links out written anew; return a status."""
     i, w, first = cells[c, CELL_I], cells[c, CELL_W], cells[c, CELL_LOG]

@@ -4,6 +4,7 @@
 2. Fit every effect of the catalogue at every place where it may be (``candidates``).
 3. Name the best, with all effects that give the same log; or say "unknown" if none is adequate.
 4. Fit again on the first part of the record, and judge on the rest (``sizes``).
+5. Where nothing is named, say which mistake of the model or the log would explain the gap (``hints``).
 
 A loop with a load that nobody measures is not replayed.  If it is linear and scanned, its Kalman filter is exact
 (``stickslip.gap.filters``).  Any other is followed by a filter across its own runs (``stickslip.gap.likelihood``).
@@ -16,7 +17,7 @@ from typing import Any
 
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
-from stickslip.gap.answers.report import GapReport
+from stickslip.gap.answers.report import UNKNOWN, GapReport
 from stickslip.gap.calibrating.calibration import kept_calibration
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.effects.quantisation import Quantisation
@@ -39,6 +40,7 @@ from stickslip.gap.fits.texture import fitted_compression, with_lattices
 from stickslip.gap.floors.cache import keep, kept
 from stickslip.gap.floors.floor import Floor, measured
 from stickslip.gap.floors.problem import Problem, Settled
+from stickslip.gap.hints.hinted import hints
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.diagnosing import frame_of
 from stickslip.gap.likelihood.diagnosing import outcome as outcome_of
@@ -78,6 +80,15 @@ def diagnose(
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. stickslip.logs.read_log('run.csv')")
     opened, record = read(diagram, log)
+    found = _diagnosed(opened, record, catalogue, seed, limits, progress)
+    unknown = any(cause.effect == UNKNOWN for cause in found.causes)
+    return replace(found, hints=hints(opened, record.log)) if unknown else found
+
+
+def _diagnosed(
+    opened: Diagram, record: Record, catalogue: Sequence[Effect], seed: int, limits: bool, progress: Progress
+) -> GapReport:
+    """Return the diagnosis of a record through a model whose logged sources are open."""
     stem = logged_stem(opened, record)
     filtering = filtering_of(opened, stem.without(record) if stem else record)
     if filtering is not None:

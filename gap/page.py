@@ -1,4 +1,4 @@
-"""The page of all effects: ``python -m stickslip.gap.page > docs/effects.md`` writes it."""
+"""The page of all effects, for the site: ``python -m stickslip.gap.page`` prints it."""
 
 import inspect
 import math
@@ -11,7 +11,7 @@ HEAD = """# The effects
 
 These are the effects that a model of a plant may lack.  Each effect is one file in ``gap/effects``.  One call inserts
 it into any diagram, at a block of its role.  At its neutral values it changes nothing.
-``python -m stickslip.gap.page > docs/effects.md`` writes this page.
+``python -m stickslip.gap.page`` prints this page.
 
 ```python
 import numpy as np

@@ -9,7 +9,7 @@ __all__ = ["LOST", "ClusterError", "on_cluster"]
 
 LOST = object()  # stands for the result of a job whose workers were lost again and again
 RETRIES = 2
-ANSWER = 10  # s within which a scheduler answers
+ANSWER_S = 10  # s within which a scheduler answers
 
 
 class ClusterError(ValueError):
@@ -19,7 +19,7 @@ class ClusterError(ValueError):
 def on_cluster(
     function: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], address: str
 ) -> Iterator[tuple[int, Any]]:
-    """Number and result of each job, ``function(*job)``, in the order in which they are finished.
+    """Yield the number and the result of each job, ``function(*job)``, in the order in which they are finished.
 
     Parameters: ``function`` and ``jobs`` must be of what every machine of the cluster has installed; ``address`` of the
     scheduler, e.g. "tcp://10.0.0.5:8786". A job whose worker is lost goes to another; one that takes its workers down
@@ -33,7 +33,7 @@ def on_cluster(
     except ImportError:
         raise ClusterError("a cluster needs Dask, which is not installed: pip install 'stickslip[cluster]'") from None
     try:
-        client = Client(address, timeout=ANSWER)  # type: ignore[no-untyped-call]
+        client = Client(address, timeout=ANSWER_S)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError, ValueError) as fault:
         raise ClusterError(
             f"no Dask scheduler answers at {address} ({fault}); start one, or leave the address out"

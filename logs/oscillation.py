@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
-HYSTERESIS = 0.3  # of the amplitude: ripple smaller than this is not counted as a cycle of its own
+HYSTERESIS_SHARE = 0.3  # of the amplitude: ripple smaller than this is not counted as a cycle of its own
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Oscillation:
     amplitude: float
 
 
-def oscillation(t: ArrayLike, y: ArrayLike, hysteresis: float = HYSTERESIS) -> Oscillation:
+def oscillation(t: ArrayLike, y: ArrayLike, hysteresis: float = HYSTERESIS_SHARE) -> Oscillation:
     """Measure an oscillation: y counts as high above +h A about mid-range, as low below -h A.
 
     A is half of peak to peak, h the ``hysteresis`` in 0..1; the period is the mean time between turns from low to
@@ -40,7 +40,7 @@ def oscillation(t: ArrayLike, y: ArrayLike, hysteresis: float = HYSTERESIS) -> O
     return Oscillation(float(period[0]), float(amplitude[0]))
 
 
-def oscillations(t: Floats, Y: Floats, hysteresis: float = HYSTERESIS) -> tuple[Floats, Floats]:
+def oscillations(t: Floats, Y: Floats, hysteresis: float = HYSTERESIS_SHARE) -> tuple[Floats, Floats]:
     """Return periods [s] and amplitudes of many signals at once, each as ``oscillation`` measures it.
 
     Shapes: ``t`` (n,), ``Y`` (signals, n); both results (signals,).

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Shown"]
 
-LINE = 240  # characters of a repr at most
+LINE_CHARACTERS = 240  # characters of a repr at most
 
 
 class Shown:
@@ -30,7 +30,7 @@ class Shown:
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {shorten(self.headline, LINE, placeholder=' ...')}>"
+        return f"<{type(self).__name__}: {shorten(self.headline, LINE_CHARACTERS, placeholder=' ...')}>"
 
     def _repr_html_(self) -> str:
         from stickslip.logs.notebook import image, paragraph

@@ -36,7 +36,7 @@ def thinned(t: Values, x: Values, points: int = POINTS) -> tuple[Values, Values]
 
 
 def envelope(t: Values, x: Values, stretches: int = 400) -> tuple[Values, Values, Values]:
-    """Middle, lowest and highest value of stretches of a signal, each (at most ``stretches``,).
+    """Cut a signal into at most ``stretches``; return the middle, lowest and highest value of each, all (m,).
 
     ``t`` (n,) increasing, ``x`` (n,); a stretch without a finite value gives NaN.
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["TimeAxis", "time_unit"]
 
-DAY = 86400.0  # s
+DAY_S = 86400.0  # s
 
 
 def time_unit(duration: float) -> tuple[float, str]:
@@ -58,13 +58,13 @@ class TimeAxis:
 
     def at(self, t: Values) -> Values:
         """Places on the axis of times t (n,) [s] of the log."""
-        return self._zero + t / DAY if self.clock else t / self.scale
+        return self._zero + t / DAY_S if self.clock else t / self.scale
 
     def finish(self, ax: Axes, t0: float, t1: float) -> None:
         """Set limits, ticks and name of the axis of ``ax`` for times from t0 to t1 [s]."""
         low, high = self.at(np.array([t0, t1])).tolist()
         if not high > low:
-            half = 0.5 / DAY if self.clock else 0.5
+            half = 0.5 / DAY_S if self.clock else 0.5
             low, high = low - half, high + half
         ax.set_xlim(low, high)
         if self.start is None:

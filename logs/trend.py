@@ -18,8 +18,8 @@ __all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "finish_plane", "mar
 
 LINE = 0.9
 DENSE = 1000  # crossings of the middle from which on a line would be a solid block
-RESTS = 1e-6  # of its size: a signal that moves less rests, and what it moves is rounding
-NARROWEST = 0.002  # of the axis: a gap is drawn no narrower
+RESTS_SHARE = 1e-6  # of its size: a signal that moves less rests, and what it moves is rounding
+NARROWEST_SHARE = 0.002  # of the axis: a gap is drawn no narrower
 
 
 def draw_signal(
@@ -60,7 +60,7 @@ def broken_at_gaps(log: Log, x: Values, y: Values) -> tuple[Values, Values]:
 
 def mark_gaps(ax: Axes, axis: TimeAxis, log: Log) -> None:
     """Shade the stretches without samples, the first with a name for the legend."""
-    least = NARROWEST * log.duration
+    least = NARROWEST_SHARE * log.duration
     for i, (t0, t1) in enumerate(log.gaps()):
         a, b = axis.at(np.array([t0, max(t1, t0 + least)])).tolist()
         ax.axvspan(a, b, color=PALE, alpha=0.28, linewidth=0, zorder=0.4, label="gap" if i == 0 else None)
@@ -82,7 +82,7 @@ def rests(values: Values) -> bool:
     (True, True, False)
     """
     y = values[np.isfinite(values)]
-    return not y.size or float(np.ptp(y)) <= max(RESTS * float(np.abs(y).max()), 1e-12)
+    return not y.size or float(np.ptp(y)) <= max(RESTS_SHARE * float(np.abs(y).max()), 1e-12)
 
 
 def finish_plane(ax: Axes, x: list[Values], y: list[Values]) -> None:
@@ -105,7 +105,9 @@ def _around(seen: Values) -> tuple[float, float]:
 
 
 def finish_panel(ax: Axes, values: list[Values]) -> None:
-    """Light grid, a margin, at least two ticks of few digits; what rests is a line at its value, not its rounding.
+    """Give axes a light grid, a margin and at least two ticks of few digits.
+
+    A signal that rests becomes a line at its value: its rounding is not spread over the axes.
 
     ``values``: what is drawn, each (n,), in the unit of the axis.
     """

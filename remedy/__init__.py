@@ -2,12 +2,29 @@
 
 fit       a record -> a ``LoopFit``: controller, valve, process, load and noise, as loops about equally likely
 remedies  a fit -> ``Advice``: each remedy simulated on these loops, one recommended until the shutdown and one at it
+changes   two fits of one loop -> what has changed between them;  lacks: what a loop without stick lacks
+cost      a fit -> what it costs to leave the stick: variability and travel
 python_of a fit -> the loop as a Python file to edit
 """
 
 from stickslip.remedy.advice import Advice, remedies
+from stickslip.remedy.changing import Change, Changes, changes, lacks
 from stickslip.remedy.fitting import FitError, fit
+from stickslip.remedy.leaving import Cost, cost
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.python_file import python_of
 
-__all__ = ["Advice", "FitError", "LoopFit", "fit", "python_of", "remedies"]
+__all__ = [
+    "Advice",
+    "Change",
+    "Changes",
+    "Cost",
+    "FitError",
+    "LoopFit",
+    "changes",
+    "cost",
+    "fit",
+    "lacks",
+    "python_of",
+    "remedies",
+]

@@ -2,7 +2,7 @@
 
     1  the controller is read off (``controller``)
     2  the likeliest loop without stick, and with it (``search``); the stick is believed where it gains
-    3  an ensemble of loops about as likely; what each leaves of PV is its load and noise
+    3  a population of loops about as likely; what each leaves of PV is its load and noise
 
 The stick is believed where it gains ``SURE`` nats over the best loop without it, or ``GAIN`` where the dead travel of
 ``stickslip.detect.likelihood`` accuses too, which weighs rivals: a bent characteristic, a sensor with hysteresis.
@@ -20,13 +20,13 @@ from stickslip.detect.prepare.prepared import prepared
 from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
+from stickslip.remedy.population import population_of
 from stickslip.remedy.process import Day, day_of, told
-from stickslip.remedy.search import best_with, best_without, ensemble_of
+from stickslip.remedy.search import best_with, best_without
 
 __all__ = ["FitError", "fit"]
 
-GAIN, SURE = 5.0, 10.0  # nats
-NEAR = 10.0  # nats within which both kinds of process are tried with a stick
+GAIN, SURE = 10.0, 20.0  # nats
 FEWEST = 200  # samples
 Say = Callable[[str], None]
 
@@ -90,18 +90,17 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     kind = loops[0].integrating
     without = best_without(days, kind, math.copysign(1.0, law.K_p))
     evidence = _evidence(days)
-    best, gain, sticks = without[0], 0.0, False
+    starts, gain, sticks = without, 0.0, False
     if evidence is not None:
         progress("fitting the valve")
-        tried = [best_with(days, one, evidence.S) for one in without if one.nll < without[0].nll + NEAR]
-        stuck = min(tried, key=lambda one: one.nll)
-        gain = without[0].nll - stuck.nll
+        stuck = best_with(days, without, evidence.S)
+        gain = without[0].nll - stuck[0].nll
         sticks = gain >= SURE or (gain >= GAIN and evidence.accuses)
-        best = stuck if sticks else best
-    if best.loop.K == 0.0:
+        starts = stuck if sticks else starts
+    if starts[0].loop.K == 0.0:
         raise FitError("PV shows no answer to OP; log a stretch in which the set point or the load moves")
     progress("drawing loops that are about as likely")
-    likely = ensemble_of(days, best, seed)
+    best, likely = population_of(days, starts, seed)
     if not sticks and gain >= GAIN:
         notes.append(f"A stick would gain {gain:.0f} nats, which is not enough to believe it.")
     lefts = tuple(

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.controller import Controller
-from stickslip.remedy.process import Day, Loop
-from stickslip.remedy.search import Found
+from stickslip.remedy.process import Day, Found, Loop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +18,8 @@ if TYPE_CHECKING:
 __all__ = ["LoopFit", "Size"]
 
 Floats = NDArray[np.float64]
-WIDE, NARROW = 2.0, 1.5  # high over low: K and J are not told beyond the one, K J is told within the other
+WIDE, NARROW = 3.0, 2.0  # high over low: K and J are not told beyond the one, K J is told within the other
+WIDER = 1.8  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,19 @@ class Size:
         return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
 
 
+def widened(values: Floats) -> Floats:
+    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign."""
+    if not np.isfinite(values).all():
+        return values
+    middle = float(np.median(values))
+    if np.all(values * middle > 0.0):
+        return np.asarray(middle * (values / middle) ** WIDER)
+    return middle + WIDER * (values - middle)
+
+
 def size_of(values: Floats, reason: str = "") -> Size:
-    """Median and 90 % interval of an ensemble (n,); with a ``reason``, the interval alone."""
+    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone."""
+    values = widened(values)
     way: Any = "linear" if np.isfinite(values).all() else "nearest"
     low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
     return Size(None if reason else middle, low, high, reason)
@@ -85,7 +96,8 @@ class LoopFit:
     lefts: tuple[tuple[Floats, ...], ...]
     notes: tuple[str, ...]
 
-    def _each(self, key: str) -> Floats:
+    def each(self, key: str) -> Floats:
+        """A value of each loop, (loops,)."""
         return np.array([float(getattr(one, key)) for one in self.loops])
 
     @property
@@ -97,7 +109,7 @@ class LoopFit:
     def S(self) -> Size:
         """Dead travel: movement of OP after a turn until the stem moves [unit of OP]."""
         if self.sticks:
-            return size_of(self._each("S"))
+            return size_of(self.each("S"))
         high = self.excluded if math.isfinite(self.excluded) else None
         return Size(0.0, 0.0, high, "" if high else "no stick is seen, and the record does not exclude one")
 
@@ -106,41 +118,41 @@ class LoopFit:
         """Slip jump [unit of OP]."""
         if not self.sticks:
             return Size(0.0, 0.0, self.S.high)
-        J = self._each("J")
+        J = self.each("J")
         return size_of(J, self._only_product("J") if _ratio(J) > WIDE and self.best.J > 0.1 * self.best.S else "")
 
     @cached_property
     def K(self) -> Size:
         """Gain of the process [unit of PV per unit of OP, and per s where it integrates]."""
-        K = self._each("K")
-        unsure = "the interval spans more than a factor of two" if _ratio(K) > WIDE else ""
+        K = self.each("K")
+        unsure = "the interval spans more than a factor of three" if _ratio(K) > WIDE else ""
         return size_of(K, self._only_product("K") if unsure and self.sticks else unsure)
 
     @cached_property
     def KJ(self) -> Size:
         """How far PV goes after a slip, K J [unit of PV]: told where K and J alone are not."""
-        return size_of(self._each("K") * self._each("J"))
+        return size_of(self.each("K") * self.each("J"))
 
     def _only_product(self, key: str) -> str:
-        product = self._each("K") * self._each("J")
+        product = self.each("K") * self.each("J")
         if self.sticks and _ratio(product) < NARROW:
             return f"only K J = {np.median(product):.3g} shows in this record, not {key} alone"
-        return "the interval spans more than a factor of two"
+        return "the interval spans more than a factor of three"
 
     @cached_property
     def tau(self) -> Size:
         """Time constant [s]; not there where the process integrates."""
-        return Size(None, None, None, "the process integrates") if self.best.integrating else size_of(self._each("tau"))
+        return Size(None, None, None, "the process integrates") if self.best.integrating else size_of(self.each("tau"))
 
     @cached_property
     def tau_2(self) -> Size:
         """Second time constant [s]."""
-        return size_of(self._each("tau_2"))
+        return size_of(self.each("tau_2"))
 
     @cached_property
     def theta(self) -> Size:
         """Dead time [s]."""
-        return size_of(self._each("theta"))
+        return size_of(self.each("theta"))
 
     @cached_property
     def _noise_load(self) -> tuple[Floats, Floats]:
@@ -233,7 +245,7 @@ class LoopFit:
 
 
 def _ratio(values: Floats) -> float:
-    low, high = np.percentile(np.abs(values), [5.0, 95.0])
+    low, high = np.percentile(np.abs(widened(values)), [5.0, 95.0])
     return float(high / max(low, 1e-300))
 
 

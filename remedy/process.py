@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
 
-__all__ = ["Day", "Left", "Loop", "Told", "day_of", "settled", "start_noise", "told"]
+__all__ = ["Day", "Found", "Left", "Loop", "Told", "day_of", "profiled", "settled", "start_noise", "told"]
 
 Floats = NDArray[np.float64]
 ORDER = 8  # of the autoregression of what is left
 MOST = 2_400  # rows that a likelihood looks at
+QUIET = 0.002  # of PV's spread: noise below it is taken for none
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Loop:
     """Valve and process of one loop.
 
     follows : whether a stem that moves goes on with OP, or sticks again at every scan;  S, J : [unit of OP]
+    r : by which breakaways and places of rest vary from slip to slip, over (S + J)/2 [-]
     integrating : kind;  K : gain [unit of PV per unit of OP, and per s where it integrates]
     tau, tau_2, theta : lags and dead time [s]; tau has no meaning where it integrates
     """
@@ -44,6 +46,7 @@ class Loop:
     tau: float
     tau_2: float
     theta: float
+    r: float = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +79,15 @@ class Day:
 
 
 @dataclass(frozen=True, eq=False)
+class Found:
+    """A loop, the noise of each day, and their negative log-likelihood [nats]."""
+
+    loop: Loop
+    noises: tuple[Left, ...]
+    nll: float
+
+
+@dataclass(frozen=True, eq=False)
 class Told:
     """What a loop says of the days: ``nll`` [nats]; of each day the mean stem and the answer with K = 1, (2, n)."""
 
@@ -88,16 +100,28 @@ def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
     rows = rows_of(op, pv)
     if rows is None:
         return None
+    pv = _noisy(pv)
     return Day(t, float(t[1] - t[0]), op, pv, sp, max(1, math.ceil(len(op) / MOST)), rows.between)
+
+
+def _noisy(pv: Floats) -> Floats:
+    """PV (n,) of a record without noise, as simulations write them, with a little; any other as it is.
+
+    An autoregression tells the next row of a smooth PV to the last digit, and any loop beside the true one is then
+    unlikely beyond all bounds.
+    """
+    smooth = float(np.median(np.abs(np.diff(pv, 3)))) / 3.0  # of white noise of spread 1 this is 1.005
+    floor = QUIET * float(np.std(pv))
+    return pv if smooth > floor else pv + floor * np.random.default_rng(len(pv)).normal(size=len(pv))
 
 
 @lru_cache(maxsize=8)
 def _random(samples: int, stems: int) -> Floats:
-    return np.random.default_rng(samples).normal(size=(samples, stems))
+    return np.random.default_rng(samples).normal(size=(2, samples + 64, stems))
 
 
-def told(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Told:
-    """The likelihood of the days with a loop and the noise that each day has."""
+def told(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Told:
+    """The likelihood of the days with a loop and the noise that each day has; ``draw`` of the bank's random numbers."""
     from stickslip.remedy.bank import STEMS, passed
 
     nll, shown = 0.0, []
@@ -105,9 +129,9 @@ def told(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Told:
         y = day.rows
         own = np.zeros((2, len(y) * day.q))
         found, _ = passed(
-            day.op - day.op[0], y, day.q, day.dt, float(one.follows), one.S, one.J, one.integrating, one.tau, one.tau_2,
-            one.theta, one.K, noise.a, noise.c, noise.d, noise.s,
-            _random(len(own[0]), STEMS if one.S > 0.0 else 1), own,
+            day.op - day.op[0], y, day.q, day.dt, float(one.follows), one.S, one.J, one.r, one.integrating, one.tau,
+            one.tau_2, one.theta, one.K, noise.a, noise.c, noise.d, noise.s,
+            _random(len(own[0]), STEMS if one.S > 0.0 else 1)[:, draw : draw + len(own[0])], own,
         )  # fmt: skip
         nll -= found
         shown.append(own)
@@ -127,6 +151,8 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int
     for _ in range(rounds):
         top, bottom = 0.0, 1e-300
         for x, y, a in zip(xs, ys, pasts, strict=True):
+            if np.ptp(x) <= 1e-9:  # a stem that never moves tells no gain
+                continue
             xw, yw = _whitened(_free(x)[0], a), _whitened(_free(y)[0], a)
             weight = 1.0 / (_size(yw - K * xw) + 1e-300)
             top += weight * float(xw @ yw)
@@ -139,6 +165,12 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int
             for (v, line), a in zip(lefts, pasts, strict=True)
         ]  # fmt: skip
     return replace(one, K=K), noises, K_sd
+
+
+def profiled(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Found:
+    """The loop with the gain and the noise that its likely path asks for; ``draw`` of the bank's random numbers."""
+    found, after, _ = settled(days, one, told(days, one, noises, draw).shown)
+    return Found(found, tuple(after), told(days, found, after, draw).nll)
 
 
 def start_noise(days: Sequence[Day]) -> list[Left]:

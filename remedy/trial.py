@@ -39,7 +39,7 @@ from stickslip.remedy.process import Loop
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
 Floats = NDArray[np.float64]
-MOST = 2_500  # samples of the load that a trial runs through
+MOST = 4_000  # samples of the load that a trial runs through
 SKIPPED = 0.15  # of a run, in which it settles
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
 NOTHING = Setting("as it is", {})
@@ -61,9 +61,9 @@ class Outcome:
     op: Floats
 
 
-def diagram_of(fit: LoopFit) -> Diagram:
-    """The loop with every remedy in its place, none of them on."""
-    law, one = fit.controller, fit.best
+def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
+    """The loop with every remedy in its place, none of them on; with the law of ``one``, or of the likeliest."""
+    law, one = fit.controller, one or fit.best
     dt = law.dt
     K_p, T_i, T_d = series(fit.controller)
     lead: list[Block] = []
@@ -112,33 +112,41 @@ def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
 
 
 def _run(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
-    stems: Sequence[float],
-) -> Mapping[str, Floats]:  # fmt: skip
-    """Signals (settings, loops, n) of each setting on each loop, which has its load and the start of its stem."""
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
+) -> dict[str, Floats]:
+    """Signals (settings, loops, n) of each setting on each loop, which has its load."""
+    shape = (len(settings), len(loops), len(sp))
+    found: dict[str, Floats] = {}
+    for follows in {one.follows for one in loops}:
+        at = [i for i, one in enumerate(loops) if one.follows == follows]
+        own = _of_one_law(fit, [loops[i] for i in at], settings, [loads[i] for i in at], sp, z)
+        for name, values in own.items():
+            found.setdefault(name, np.empty(shape))[:, at] = values.reshape(len(settings), len(at), len(sp))
+    return found
+
+
+def _of_one_law(
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
+) -> Mapping[str, Floats]:
+    """Signals (settings * loops, n) of loops whose stems have one law."""
     dt, n = fit.controller.dt, len(sp)
-    diagram, t = diagram_of(fit), np.arange(n) * dt
+    diagram, t = diagram_of(fit, loops[0]), np.arange(n) * dt
     columns, inputs = [], []
-    start: dict[str, list[float]] = {"lag.PV": [], "process.PV": [], "valve.MV": []}
     for setting in settings:
-        for one, load, stem in zip(loops, loads, stems, strict=True):
-            columns.append({**_parameters(fit, one, setting), "process.theta_start": stem})
+        for one, load in zip(loops, loads, strict=True):
+            columns.append({**_parameters(fit, one, setting), "process.theta_start": 0.0})
             inputs.append(Recorded("v", t, load, hold="previous"))
-            start["lag.PV"].append(stem)
-            start["process.PV"].append(0.0 if one.integrating else one.K * stem)
-            start["valve.MV"].append(stem)
     params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
-    begin = {key: np.array(values) for key, values in start.items()} | {"controller.z": np.full(len(columns), z)}
-    result = ensemble(
+    begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
+    begin["controller.z"] = np.full(len(columns), z)
+    return ensemble(
         diagram, float(t[-1]), params=params, start=begin, times=t, signals=["PV", "OP", "MV"],
         inputs={"SP": Recorded("SP", t, sp, hold="previous"), "v": inputs}, rtol=1e-5, atol=1e-8, workers=1,
         progress=False,
-    )  # fmt: skip
-    shape = (len(settings), len(loops), n)
-    return {name: values.reshape(shape) for name, values in result.values.items()}
+    ).values  # fmt: skip
 
 
-def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 12) -> list[Outcome]:
+def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
     """What each setting gives on ``count`` loops, under the load of the record."""
     day = fit.days[0]
     n = min(len(fit.lefts[0][0]), MOST)
@@ -146,7 +154,7 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 12) -> list
     sp = np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]
     e = float(sp[0] - day.pv[0])
     start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
-    found = _run(fit, loops, settings, loads, sp, start, [0.0] * len(loops))
+    found = _run(fit, loops, settings, loads, sp, start)
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
     return [
         Outcome(
@@ -181,8 +189,8 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
         loads.append(np.asarray(one.K * t if one.integrating else one.K * (1.0 - np.exp(-t / slow))))
     none: list[Floats] = [np.zeros(n)] * len(loops)
     plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, loops, plain, none, np.ones(n), 0.0, [0.0] * len(loops))["PV"]
-    pushed = _run(fit, loops, plain, loads, np.zeros(n), 0.0, [0.0] * len(loops))["PV"]
+    steps = _run(fit, loops, plain, none, np.ones(n), 0.0)["PV"]
+    pushed = _run(fit, loops, plain, loads, np.zeros(n), 0.0)["PV"]
     for i in range(len(settings)):
         sp = np.array([_settled(own - 1.0, 0.05, dt) for own in steps[i]])
         load = np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in pushed[i]])

@@ -12,7 +12,7 @@ PACKAGES = ("detect", "logs", "scan")
 
 @lru_cache(maxsize=1)
 def code() -> str:
-    """A hash of the sources that make the rows."""
+    """Return a hash of the sources that make the rows, the same as long as none of them is changed."""
     digest = hashlib.sha256()
     for name in PACKAGES:
         spec = find_spec(f"stickslip.{name}")

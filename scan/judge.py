@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from stickslip.detect.judge.answer import Amount, Answer
     from stickslip.detect.prepare.prepared import Prepared
 
-__all__ = ["SECONDS_MAX", "judged", "row_of", "row_of_valve"]
+__all__ = ["LOOP_MAX_S", "judged", "row_of", "row_of_valve"]
 
-SECONDS_MAX = 60  # s for one loop; the calibrated answer takes a tenth of a second
+LOOP_MAX_S = 60  # s for one loop; the calibrated answer takes a tenth of a second
 JOB_ROWS = 10_000  # rows that one job may give: row j of job i has the order i * JOB_ROWS + j
 REASON_MAX = 2_000  # characters
 
@@ -30,7 +30,7 @@ def judged(job: Job, number: int) -> list[Row]:
     while True:
         name = ""
         try:
-            with time_limit(SECONDS_MAX, f"the loop took more than {SECONDS_MAX} s"):
+            with time_limit(LOOP_MAX_S, f"the loop took more than {LOOP_MAX_S} s"):
                 name, record, place = next(read, ("", None, ""))
                 if record is None:
                     return rows
@@ -60,7 +60,7 @@ def row_of_valve(name: str, records: Sequence[LoopRecord]) -> Row:
 
 
 def _row_of(name: str, found: Answer, loops: Sequence[Prepared]) -> Row:
-    from stickslip.detect.prepare.swing import amplitude
+    from stickslip.detect.signals.swing import amplitude
 
     loop = loops[-1]
     record = loop.record

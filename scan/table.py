@@ -35,7 +35,9 @@ def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
 
 
 def ranked(table: pl.DataFrame) -> pl.DataFrame:
-    """The table with the columns ``rank`` and ``group``: by verdict, probability, then order; see ``together``."""
+    """Return the table ranked, with the columns ``rank`` and ``group``.
+
+    Rows stand by verdict, then by probability, then in their order; ``together`` says what a group is."""
     import polars as pl
 
     place = pl.col("verdict").replace_strict(

@@ -28,7 +28,7 @@ __all__ = ["STRETCHES", "grouped", "phasors"]
 
 STRETCHES = 24
 COHERENT = 0.7
-CLOCK = 30.0  # s: starts of two records this close are one start
+SAME_START_S = 30.0  # s: starts of two records this close are one start
 
 Values = npt.NDArray[np.float64]
 
@@ -57,7 +57,9 @@ def phasors(t: Values, pv: Values, period: float) -> list[float] | None:
 
 
 def grouped(table: pl.DataFrame) -> list[str | None]:
-    """For every row the name of its group, which is that of its likely source; None for a loop on its own.
+    """Return for every row the name of its group, or None for a loop on its own.
+
+    A group is named after the loop that is its likely source.
 
     ``table`` has the columns loop, probability, period_s, hours, start (null without clock time), source (what tells
     files apart) and phasors.
@@ -99,7 +101,7 @@ def _same_time(one: dict[str, Any], other: dict[str, Any]) -> bool:
     if one["start"] is None or other["start"] is None:
         at_once = one["start"] is other["start"] and one["source"] == other["source"]
     else:
-        at_once = abs(one["start"] - other["start"]) <= CLOCK
+        at_once = abs(one["start"] - other["start"]) <= SAME_START_S
     return bool(at_once and abs(one["hours"] - other["hours"]) <= 0.02 * one["hours"])
 
 

@@ -16,7 +16,7 @@ from stickslip.logs import LoopRecord
 from stickslip.logs.processes import processes
 from stickslip.logs.tags import valve_in
 from stickslip.logs.time_limit import time_limit
-from stickslip.scan.judge import JOB_ROWS, SECONDS_MAX, Row, row_of_valve
+from stickslip.scan.judge import JOB_ROWS, LOOP_MAX_S, Row, row_of_valve
 from stickslip.scan.sources import Job, Source
 from stickslip.scan.table import table_of
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["records_at", "with_valves"]
 
-MOST = 60  # records of one valve, the last ones: two months of days
+RECORDS_MAX = 60  # records of one valve, the last ones: two months of days
 Place = tuple[int, Job, tuple[int, ...]]  # number of a job, the job, and which of its records
 
 
@@ -62,7 +62,7 @@ def _groups(table: pl.DataFrame) -> list[tuple[str, list[int]]]:
         if row["verdict"] and row["verdict"] != "not_applicable":
             key = (str(Path(row["source"] or "").parent), valve_in(row["loop"]))
             found.setdefault(key, []).append(row["order"])
-    return [(name, orders[-MOST:]) for (_, name), orders in found.items() if len(orders) > 1]
+    return [(name, orders[-RECORDS_MAX:]) for (_, name), orders in found.items() if len(orders) > 1]
 
 
 def _places(source: Source, orders: Sequence[int]) -> list[Place]:
@@ -94,7 +94,7 @@ def _judged(asked: Sequence[tuple[str, list[Place]]], workers: int | None) -> It
 def _row(name: str, places: Sequence[Place]) -> Row | None:
     """The row of one valve."""
     try:
-        with time_limit(SECONDS_MAX, f"the valve took more than {SECONDS_MAX} s"):
+        with time_limit(LOOP_MAX_S, f"the valve took more than {LOOP_MAX_S} s"):
             found = [(number * JOB_ROWS + at, record) for number, job, own in places for at, record in _read(job, own)]
             records = [(order, record) for order, record in found if isinstance(record, LoopRecord)]
             row = row_of_valve(name, [record for _, record in records])

@@ -25,7 +25,7 @@ AHEAD = 2  # jobs that wait for each process, so that a list of thousands is not
 
 
 def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[list[Row]]:
-    """The rows of each job, from ``workers`` processes (default: one a core)."""
+    """Yield the rows of one job after another, as ``workers`` processes finish them (by default one process a core)."""
     from os import cpu_count
 
     count = workers or cpu_count() or 1

@@ -46,7 +46,7 @@ def cluster():
 def hidden_valve(tmp_path):
     """A file of two levels: the inflow hides LC1's valve, and the flow behind it jumps; all by formulas."""
     import numpy as np
-    from stickslip.detect.prepare.stick import stick
+    from stickslip.detect.stem.stick import stick
     from stickslip.logs import Log, LoopSignals
 
     t = np.arange(3000.0)

@@ -13,6 +13,7 @@ import pytest
 from stickslip.diagram import unseen
 
 ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = sorted((ROOT / "docs").glob("*/*.py"))
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 DATA = Path(os.environ.get("STICKSLIP_DATA") or ROOT.parent / "shared" / "data")
 
@@ -67,6 +68,13 @@ def test_examples_run_and_pictures_exist(page: Path, tmp_path: Path, monkeypatch
         assert shown, f"{page.name} does not show the line that its example prints: {line}"
     if left_out:
         pytest.skip(f"REAL DATA NOT TESTED: {left_out} examples of {page.name} need {DATA}; set STICKSLIP_DATA")
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_tutorials_run(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(compile(script.read_text(), script.name, "exec"), {"__name__": "tutorial"})
 
 
 def anchors(page: str) -> set[str]:

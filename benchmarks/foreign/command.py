@@ -1,6 +1,7 @@
 """What ``python -m benchmarks.gap --only foreign`` does: diagnose, keep each row at once, print the figures.
 
-A plant without a model in ``benchmarks/foreign_models`` is left out, and named.
+A plant without a model in ``benchmarks/foreign_models`` is left out, and named.  Figures are of the fourteen; those of
+the unseen four stand apart, and are published where no other plant is asked for (``--only foreign/unseen``).
 """
 
 import csv
@@ -13,7 +14,7 @@ from typing import Any
 
 from stickslip.logs.files.write import replacing
 
-from benchmarks.foreign.record import NAMES
+from benchmarks.foreign.record import NAMES, UNSEEN
 from benchmarks.foreign.scoring import NOTES, by_plant, figures
 from benchmarks.foreign.trial import chosen, diagnosed, runs, wired
 from benchmarks.report import publish
@@ -35,14 +36,20 @@ def foreign(told: Namespace) -> bool:
     print(file=sys.stderr)
     if told.csv is not None and rows:
         _write(rows, told.csv)
-    out, words = figures(rows)
+    seen = [row for row in rows if row["plant"] not in UNSEEN]
+    unseen = [row for row in rows if row["plant"] in UNSEEN]
+    out, words = figures(seen or unseen)
     if told.json != "-":
-        missing = [one for one in NAMES if wired(one) is None]
+        missing = [one for one in (*NAMES, *UNSEEN) if wired(one) is None]
         print("\n".join(by_plant(rows)))
         print(f"{len(rows)} of {len(asked)} records" + (f"; no model of {', '.join(missing)}" if missing else ""))
         print("shares with their count and interval of 90 %:")
         for share, word in words.items():
             print(f"  {share:26} {word}")
+        if seen and unseen:
+            print("of the unseen plants:")
+            for share, word in figures(unseen)[1].items():
+                print(f"  {share:26} {word}")
     return publish(out, NOTES, told.json, told.quick or len(rows) < len(asked) or told.only != "foreign")
 
 

@@ -1,4 +1,4 @@
-"""What the historian makes of a tag: rounding, and as effects a swinging door and a late time stamp."""
+"""What the historian makes of a tag: rounding, and as effects a swinging door, a late time stamp and a filter."""
 
 import numpy as np
 
@@ -30,3 +30,16 @@ def swinging_door(t: np.ndarray, y: np.ndarray, deviation: float) -> np.ndarray:
 def late(t: np.ndarray, y: np.ndarray, by: float) -> np.ndarray:
     """Return a tag whose time stamps are late by ``by`` [s]: each row holds the value of the last row before it."""
     return y[np.maximum(np.searchsorted(t, t - by + 1e-9, side="right") - 1, 0)]
+
+
+def filtered(t: np.ndarray, y: np.ndarray, tau: float) -> np.ndarray:
+    """Return a tag behind a first-order filter of ``tau`` [s], which holds each row until the next.
+
+    >>> filtered(np.arange(3.0), np.array([0.0, 2.0, 2.0]), 1.0 / np.log(2.0)).round(9).tolist()
+    [0.0, 1.0, 1.5]
+    """
+    out = y.astype(float)
+    if tau > 0.0:
+        for k, gone in enumerate(np.diff(t), 1):
+            out[k] = out[k - 1] + (y[k] - out[k - 1]) * (1.0 - np.exp(-gone / tau))
+    return out

@@ -18,7 +18,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.logs import Log
 
 from benchmarks.foreign.answer import Answer
-from benchmarks.foreign.record import NAMES, Record, plant, record
+from benchmarks.foreign.record import NAMES, UNSEEN, Record, plant, record
 from benchmarks.foreign.scoring import scored
 
 NONE, INSIDE, OUTSIDE = "none", "effect", "outside"
@@ -52,7 +52,8 @@ class Run:
     @property
     def key(self) -> str:
         """The name of the run."""
-        return f"foreign/{self.plant}/{self.group}/{self.effect}/{self.seed}"
+        room = "foreign/unseen" if self.plant in UNSEEN else "foreign"
+        return f"{room}/{self.plant}/{self.group}/{self.effect}/{self.seed}"
 
     @property
     def kind(self) -> tuple[str, str]:
@@ -80,7 +81,7 @@ class Run:
 def runs() -> list[Run]:
     """Return all runs; the same each time."""
     out = []
-    for name in NAMES:
+    for name in (*NAMES, *UNSEEN):
         of = plant(name)
         asked = [(NONE, "none", seed) for seed in range(WITHOUT)]
         asked += [(INSIDE, effect, seed) for k, effect in enumerate(of.effects) for seed in range(2 + k % 2)]

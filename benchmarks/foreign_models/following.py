@@ -21,8 +21,9 @@ from stickslip.diagram import Diagram, ensemble, simulate
 from benchmarks.foreign.trial import Wired
 
 MODELS = (
-    "batch_ramp", "cascade", "cone", "drum_level", "exotherm", "gas_pressure", "heat_exchanger", "neutralisation",
-    "pump_flow", "ratio_feedforward", "recycle", "split_range", "sqrt_tank", "two_by_two",
+    "batch_ramp", "belt_dryer", "cascade", "cone", "drum_level", "exotherm", "gas_pressure", "heat_exchanger",
+    "neutralisation", "pipeline_pack", "pump_flow", "quench", "ratio_feedforward", "recycle", "split_range",
+    "sqrt_tank", "steam_header", "two_by_two",
 )  # fmt: skip
 
 Signals = Mapping[str, np.ndarray]

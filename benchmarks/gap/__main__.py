@@ -6,7 +6,8 @@ for two processes at once; without ``--part`` all rows in the folder are read.  
 that refit and the oracle of what shows: then no record is left out but one that leaves no trace.
 ``--csv`` writes every row as a table.
 
-``--only foreign`` diagnoses plants of another hand instead (``benchmarks/foreign``), ``--only foreign/cone`` one.
+``--only foreign`` diagnoses plants of another hand instead (``benchmarks/foreign``), ``--only foreign/cone`` one,
+``--only foreign/unseen`` the four with which no method was made.
 """
 
 import argparse

@@ -9,8 +9,8 @@ from typing import Any
 from stickslip.calibration.crossed.drawing import Drawn, draw
 from stickslip.calibration.crossed.history import seen
 from stickslip.detect.judge.answer import answer
-from stickslip.detect.judge.earned import usable
 from stickslip.detect.judge.features import view_of
+from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.features.network import network_features
 from stickslip.detect.judge.model import calibrated
 from stickslip.detect.prepare.prepared import Prepared

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from stickslip.blocks import Block, Kernels, Labels, Port
 from stickslip.blocks.ports import require
 from stickslip.blocks.role import Role
-from stickslip.detect.prepare import prefilter
+from stickslip.detect.signals import prefilter
 
 
 class PrefilterState(NamedTuple):
@@ -33,7 +33,7 @@ class PrefilterState(NamedTuple):
 
 @dataclass(frozen=True)
 class PrefilterHost:
-    """Runs ``stickslip.detect.prepare.prefilter`` and renews its parameters from the data, unless ``window`` is 0."""
+    """Runs ``stickslip.detect.signals.prefilter`` and renews its parameters from the data, unless ``window`` is 0."""
 
     first: prefilter.Params
     window: int

@@ -21,8 +21,8 @@ __all__ = ["Correlation", "correlation"]
 Values = npt.NDArray[np.float64]
 
 PERIODS = 2.5  # to either side
-SHARE = 0.125  # of the record to either side, where nothing oscillates
-LEAST = 64  # samples
+RECORD_SHARE = 0.125  # of the record to either side, where nothing oscillates
+SAMPLES_MIN = 64  # samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +59,13 @@ def correlation(loop: Prepared) -> Correlation | None:
 
     grid = loop.whole
     n = len(grid)
-    if n < LEAST:
+    if n < SAMPLES_MIN:
         return None
     u, y = detrend(grid.op), detrend(grid.pv)
     if min(np.std(u), np.std(y)) <= 1e-9 * max(np.max(np.abs(grid.op)), np.max(np.abs(grid.pv)), 1e-300):
         return None
     samples = loop.period / grid.dt
-    m = min(n // 3, round(PERIODS * samples) if math.isfinite(samples) else round(SHARE * n))
+    m = min(n // 3, round(PERIODS * samples) if math.isfinite(samples) else round(RECORD_SHARE * n))
     uu, yy, uy = _r(u, u, m), _r(y, y, m), _r(u, y, m)
     reach = max(1, min(m, round(0.5 * samples) if math.isfinite(samples) else m))
     at = int(np.argmax(np.abs(uy[m : m + reach + 1])))

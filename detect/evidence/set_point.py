@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["set_point_words"]
 
-SWINGS = 0.3  # of SP's variance at the period: a set point that is stepped now and then has less
+SWINGS_SHARE = 0.3  # of SP's variance at the period: a set point that is stepped now and then has less
 
 
 def set_point_words(record: LoopRecord, period: float) -> str:
@@ -33,7 +33,7 @@ def set_point_words(record: LoopRecord, period: float) -> str:
     if rests(sp):
         return ""
     found = following(record.t[good], sp, record.pv[good], period)
-    if not found.share > SWINGS:
+    if not found.share > SWINGS_SHARE:
         return ""
     return (
         f"SP swings by itself with a period of {period:.3g} s; PV follows {found.lag:.2g} s later, "

@@ -21,8 +21,8 @@ __all__ = ["Spectrum", "spectrum"]
 Values = npt.NDArray[np.float64]
 
 PERIODS = 12.0
-MOST = 5  # harmonics looked for
-LEAST = 64  # samples of a spectrum
+HARMONICS_MAX = 5  # harmonics looked for
+SAMPLES_MIN = 64  # samples of a spectrum
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Spectrum:
 
 
 def spectrum(loop: Prepared) -> Spectrum | None:
-    """The spectrum of a prepared record; None where fewer than ``LEAST`` samples are left.
+    """The spectrum of a prepared record; None where fewer than ``SAMPLES_MIN`` samples are left.
 
     >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(3000.0)
@@ -56,10 +56,10 @@ def spectrum(loop: Prepared) -> Spectrum | None:
 
     grid = loop.whole
     n = len(grid)
-    if n < LEAST:
+    if n < SAMPLES_MIN:
         return None
     samples = loop.period / grid.dt
-    length = min(n, max(LEAST, round(PERIODS * samples))) if math.isfinite(samples) else max(LEAST, n // 4)
+    length = min(n, max(SAMPLES_MIN, round(PERIODS * samples))) if math.isfinite(samples) else max(SAMPLES_MIN, n // 4)
     powers = []
     for x in (grid.op, grid.pv):
         f, power = welch(x, 1.0 / grid.dt, "hann", length, length // 2, detrend="linear")
@@ -73,7 +73,7 @@ def spectrum(loop: Prepared) -> Spectrum | None:
 def _harmonics(f: Values, power: Values, f_0: float) -> dict[int, float]:
     if not math.isfinite(f_0):
         return {}
-    lines = {k: float(power[np.abs(f - k * f_0) <= 0.25 * f_0].sum()) for k in range(1, MOST + 1)}
+    lines = {k: float(power[np.abs(f - k * f_0) <= 0.25 * f_0].sum()) for k in range(1, HARMONICS_MAX + 1)}
     if not lines[1] > 0.0:
         return {}
-    return {k: math.sqrt(lines[k] / lines[1]) for k in range(2, MOST + 1) if (k + 0.25) * f_0 <= f[-1]}
+    return {k: math.sqrt(lines[k] / lines[1]) for k in range(2, HARMONICS_MAX + 1) if (k + 0.25) * f_0 <= f[-1]}

@@ -18,10 +18,10 @@ __all__ = ["StemTrend", "stem_trend"]
 
 Values = npt.NDArray[np.float64]
 
-STILL = 1e-6  # of OP's travel: a fitted stem that moves less stands
-MOVED = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
-FEWEST = 3  # samples of a stick
-BETTER = 1.05  # rms without play over rms with it: below, the fitted stem says nothing
+STILL_SHARE = 1e-6  # of OP's travel: a fitted stem that moves less stands
+MOVED_SHARE = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
+STICK_SAMPLES_MIN = 3  # samples of a stick
+BETTER_RATIO = 1.05  # rms without play over rms with it: below, the fitted stem says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +79,10 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
     if not len(fitted.array("x")):
         return f"No stem can be reconstructed: {fitted.reason}"
     better = fitted.index if fitted.index is not None else float("nan")
-    if not better >= BETTER:
+    if not better >= BETTER_RATIO:
         return (
             f"No stem is reconstructed: a play tells PV hardly better from OP than a lag alone (error {better:.2f} "
-            f"times as large without play, {BETTER:g} needed)."
+            f"times as large without play, {BETTER_RATIO:g} needed)."
         )
     t, op, mv = (fitted.array(name) for name in ("t", "u", "x"))
     return StemTrend(t, op, mv, _moving(t, op, _stands(t, mv, float(np.ptp(op)))), False, better)
@@ -90,9 +90,9 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
 
 def _stands(t: Values, mv: Values, travel: float) -> Values:
     """From where to where (k, 2) [s] a stem stands: it moves by next to nothing of the ``travel`` from row to row."""
-    still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL * travel, [False]])
+    still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL_SHARE * travel, [False]])
     edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
-    long = [(first, last) for first, last in edges.tolist() if last - first >= FEWEST]
+    long = [(first, last) for first, last in edges.tolist() if last - first >= STICK_SAMPLES_MIN]
     return np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
 
 
@@ -100,7 +100,7 @@ def _moving(t: Values, op: Values, stands: Values) -> Values:
     """Those of the stretches (k, 2) [s] in which OP moves; none where it rests, whatever its rounding does."""
     if rests(op):
         return np.empty((0, 2))
-    least = MOVED * float(np.ptp(op))
+    least = MOVED_SHARE * float(np.ptp(op))
     kept = []
     for a, b in stands.tolist():
         inside = op[np.searchsorted(t, a) : np.searchsorted(t, b, side="right")]

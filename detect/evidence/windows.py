@@ -1,9 +1,9 @@
 """The verdict over time: a record judged window by window, so that a valve that gets worse is seen to.
 
-Windows are whole days by the clock where the record spans two days or more (several days each where there would be
-more than ``MOST``), else equal parts of at least ``SAMPLES`` samples and ``CYCLES`` periods of an oscillation.
-Each window is judged on its own by the calibrated answer, a long one by its last part (``prepare.recent``); sizes are
-shown where stiction is called.
+Windows are whole days by the clock where the record spans two days or more (several days each where there would be more
+than ``WINDOWS_MAX``), else equal parts.  A part has at least ``SAMPLES_MIN`` samples and ``CYCLES_MIN`` periods of an
+oscillation.  Each window is judged on its own by the calibrated answer, a long one by its last part (``stem.recent``);
+sizes are shown where stiction is called.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from stickslip.detect.judge.answer import Amount, answer
 from stickslip.detect.judge.model import rounded
-from stickslip.detect.prepare.days import CYCLES, MOST, SAMPLES, edges_of_days, part_of
 from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.signals.days import CYCLES_MIN, SAMPLES_MIN, WINDOWS_MAX, edges_of_days, part_of
 from stickslip.detect.words import Word
 from stickslip.logs import LoopRecord
 
@@ -25,7 +25,7 @@ __all__ = ["OverTime", "Window", "over_time"]
 
 PARTS = 6  # of a record of less than two days
 TESTED = 6  # windows: with fewer, no order is rare enough
-FALSE_ALARMS = 0.01  # of records of a constant valve, at most
+FALSE_ALARMS_SHARE = 0.01  # of records of a constant valve, at most
 ENDS = 3  # windows at either end whose sizes are compared
 
 
@@ -82,7 +82,7 @@ class OverTime:
             return f"{said} {moved}: whether it changes is tested from {TESTED} such windows on."
         p = trend_chance(sizes)
         width = float(np.median([w.S.high - w.S.low for w in sticky if w.S]))
-        if p > FALSE_ALARMS or abs(after - before) <= 0.5 * width:
+        if p > FALSE_ALARMS_SHARE or abs(after - before) <= 0.5 * width:
             return f"{said} {moved}: no trend that chance and the intervals would not explain."
         return f"{said} {moved}, a trend that a constant valve shows in {p:.1%} of such records: the valve has changed."
 
@@ -101,7 +101,7 @@ def trend_chance(sizes: Sequence[float]) -> float:
     return p if math.isfinite(p) else 1.0
 
 
-def over_time(record: LoopRecord, *, most: int = MOST) -> OverTime:
+def over_time(record: LoopRecord, *, most: int = WINDOWS_MAX) -> OverTime:
     """The record judged in windows; ``most`` is the largest number of them.
 
     Raises ValueError unless most >= 2.
@@ -127,11 +127,11 @@ def _edges(record: LoopRecord, most: int) -> tuple[list[float], str]:
         since = "from the start of the record" if record.log.start is None else "by the clock"
         return edges, f"Windows of {of}, {since}."
     t0, t1 = float(record.t[0]), float(record.t[-1])
-    parts = min(PARTS, most, int(np.sum(record.good)) // SAMPLES)
+    parts = min(PARTS, most, int(np.sum(record.good)) // SAMPLES_MIN)
     if math.isfinite(period):
-        parts = min(parts, int((t1 - t0) / (CYCLES * period)))
+        parts = min(parts, int((t1 - t0) / (CYCLES_MIN * period)))
     if parts < 2:
-        why = f"windows need {SAMPLES} samples each, and {CYCLES:g} periods where the loop oscillates"
+        why = f"windows need {SAMPLES_MIN} samples each, and {CYCLES_MIN:g} periods where the loop oscillates"
         return [], f"The record is too short to be divided: {why}."
     return np.linspace(t0, t1, parts + 1).tolist(), f"The record in {parts} equal parts; days say more: log longer."
 
@@ -142,7 +142,7 @@ def _judged(record: LoopRecord, start: float, end: float, *, last: bool) -> Wind
     if part is None:
         return None
     held = (max(start, float(record.t[0])), min(end, float(record.t[-1])))
-    if len(part) < SAMPLES:
+    if len(part) < SAMPLES_MIN:
         return Window(*held, len(part), "not_applicable", None)
     found = answer(Prepared(part))
     return Window(*held, len(part), found.word, found.probability, found.S, found.J, found.limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from stickslip.detect.likelihood.pooled import GAIN
+from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, PALE, SHADE, tidy
 
@@ -43,7 +43,7 @@ def plot_tag(tag: Tag) -> Figure:
         axes.set_xlabel("record")
         axes.set_xticks(number if len(number) <= 12 else number[:: len(number) // 6])
     right.axhline(0.0, color=PALE, lw=0.8)
-    right.axhline(GAIN, color=PALE, lw=0.8, ls=":")
+    right.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
     right.plot(e.sizes, e.curve, ".-", color=INK)
     right.set_xscale("log")
     right.set_xlabel(f"S [{unit}]")

@@ -29,12 +29,14 @@ MANUAL = (
 
 CAUSES: Mapping[str, Doing] = {
     "stiction": Doing(
-        "a sticky valve", "Look at packing, actuator, air supply and positioner of the valve", "valve maintenance",
-        STEPS,
+        "a sticky valve",
+        "Look at packing, actuator, air supply and positioner of the valve; half the gain or twice the integral time "
+        "can make the wave larger", "valve maintenance", STEPS,
     ),
     "tight_tuning": Doing(
         "tight tuning", "Lower the gain of the controller by a third, or double its integral time",
-        "control engineer", "halve the gain for ten periods: a wave of tight tuning dies out",
+        "control engineer",
+        "halve the gain for ten periods: a wave of tight tuning dies out, that of a sticky valve stays or grows",
     ),
     "external_oscillation": Doing(
         "an oscillation from outside", "Look for the wave upstream: which loop has it first, and with most harmonics",

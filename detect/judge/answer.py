@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from stickslip.detect.chances import chance
 from stickslip.detect.judge.actions import CAUSES, confirming_steps
-from stickslip.detect.judge.earned import not_earned, usable
 from stickslip.detect.judge.features import features_of, view_of
+from stickslip.detect.judge.features.earned import not_earned, usable
 from stickslip.detect.judge.features.view import LONGEST, View
 from stickslip.detect.judge.grounds import grounds
 from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
@@ -35,17 +35,17 @@ from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.likelihood.words import said as in_words
 from stickslip.detect.plantwide.slips import Slips
 from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
-from stickslip.detect.prepare.recent import recent, samples_per_period
+from stickslip.detect.stem.recent import recent, samples_per_period
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 
-UNLIKE = 0.1  # share of features beyond all simulated ones from which on nothing is concluded
+UNLIKE_SHARE = 0.1  # share of features beyond all simulated ones from which on nothing is concluded
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 PERCENT = "% of OP"
-SAMPLES = 100  # of a record; the simulated ones have 300 and more
+SAMPLES_MIN = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
 # probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
 LEVEL = 0.97
@@ -130,16 +130,22 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         dead = " The logged stem stands still all the while: its tag is dead."
         return replace(told_by_slips, reason=told_by_slips.reason + dead) if still else told_by_slips
     view, left = view_of(loop), len(loop.with_stale.whole)
-    if view is None or left < SAMPLES:
+    if view is None or left < SAMPLES_MIN:
         if still is not None and still.means == "sticks":
             return _from_still(still)
-        return _refusal(f"Too little is left to look at: {left} samples without a gap; {SAMPLES} that move are needed.")
+        return _refusal(
+            f"Too little is left to look at: {left} samples without a gap; {SAMPLES_MIN} that move are needed."
+        )
     model = model or calibrated()
     found = features_of(loop, view)
     opinion = model.judge(found)
     evidence = loop.dead_travel if usable(loop) else None
     if still is not None and still.means == "sticks":
-        if opinion.causes["dead_loop"] >= SILENT or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
+        if (
+            opinion.causes["dead_loop"] >= SILENT
+            or opinion.unlike > UNLIKE_SHARE
+            or opinion.probability >= model.accuse
+        ):
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
     said = _judged(loop, view, found, opinion, model, evidence)
@@ -153,7 +159,7 @@ def _refusal(text: str) -> Answer:
 def _sampled(loop: Prepared) -> str:
     """Why a record of few samples a period of OP shows the controller only; "" where it has enough."""
     grid = loop.whole
-    if len(grid) < SAMPLES:
+    if len(grid) < SAMPLES_MIN:
         return ""
     samples = samples_per_period(grid.op[recent(grid.op, LONGEST) :])
     if not samples < FEWEST:
@@ -235,7 +241,7 @@ def _shortcoming(view: View, said: Opinion) -> str:
     """Why the model's probability settles nothing on this record; "" where it may."""
     if len(view) < 2.0 * view.turn:
         return "OP never turns back; a one-way drift proves nothing, because a load ramp looks the same."
-    if said.unlike > UNLIKE:
+    if said.unlike > UNLIKE_SHARE:
         return f"{said.unlike:.0%} of the features lie beyond those of every simulated loop, so nothing is concluded."
     return ""
 

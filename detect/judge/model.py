@@ -30,7 +30,7 @@ Values = npt.NDArray[np.float64]
 FILE = Path(__file__).with_name("calibration.npz")
 SCHEMA = "stickslip.calibration.model/2"
 TREES = ("sticky", "others", "S", "J")
-FAR = 0.2  # share of features beyond all simulated ones from which on the model knows nothing
+FAR_SHARE = 0.2  # share of features beyond all simulated ones from which on the model knows nothing
 
 
 @dataclass(frozen=True)
@@ -143,11 +143,11 @@ class Model:
 def _fallen_back(causes: dict[str, float], beyond: float) -> dict[str, float]:
     """Causes whose odds of stiction fall back to even as the features leave those of all simulated loops.
 
-    >>> _fallen_back({"stiction": 0.75, "healthy": 0.25}, FAR)
+    >>> _fallen_back({"stiction": 0.75, "healthy": 0.25}, FAR_SHARE)
     {'stiction': 0.5, 'healthy': 0.5}
     """
     p = min(max(causes["stiction"], 1e-12), 1.0 - 1e-12)
-    told = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR, 0.0))
+    told = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR_SHARE, 0.0))
     return {name: told if name == "stiction" else q * (1.0 - told) / (1.0 - p) for name, q in causes.items()}
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from stickslip.detect.judge.answer import Answer, answer
 from stickslip.detect.judge.pooled import evidence_of_all, pooled
-from stickslip.detect.prepare.days import DAY, days_of
 from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.signals.days import DAY_S, days_of
 
 __all__ = ["answer_over_days"]
 
@@ -23,7 +23,7 @@ def answer_over_days(loop: Prepared) -> Answer:
     '2 days of one valve, by thems'
     """
     record = loop.record
-    if record.mv is not None or float(record.t[-1] - record.t[0]) < DAY:
+    if record.mv is not None or float(record.t[-1] - record.t[0]) < DAY_S:
         return answer(loop)
     loops = [Prepared(day) for day in days_of(record, loop.period)]
     answers = [answer(day) for day in loops]

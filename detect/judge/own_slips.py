@@ -20,9 +20,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, larger, slips_of
+from stickslip.detect.plantwide.slips import SIDE_SAMPLES, Jumps, Slips, jumps_of, larger, slips_of
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.process_kind import kind_of_tag
+from stickslip.detect.stem.process_kind import kind_of_tag
 
 __all__ = ["driving", "own_slips", "rate_of"]
 
@@ -30,7 +30,7 @@ Values = npt.NDArray[np.float64]
 TOLD, MOVED = 0.8, 0.15
 MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
-SMOOTH = 90.0  # % of the samples, whose rate changes least: the others may be slips
+SMOOTH_PERCENT = 90.0  # % of the samples, whose rate changes least: the others may be slips
 SAMPLES = 100  # fewest
 STEP = 0.1  # of S, that OP may move in the sample of a slip and the one before, by their medians
 SP_STEP = 0.1  # of the range of SP
@@ -42,7 +42,7 @@ IN_RUNS = 0.9  # of the bends of PV that have another beside them: a process ben
 def own_slips(loop: Prepared) -> Slips | None:
     """Return the slips that the PV of a loop shows of its own valve; None where none, or OP's span is not known.
 
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(3000.0)
     >>> u = 50 + 5 * np.sin(t / 60) + 2 * np.sin(t / 171)
@@ -96,13 +96,13 @@ def _by_sp(sp: Values | None, jumps: Jumps) -> bool:
 def _answers(op: Values, y: Values, jumps: Jumps, S: float) -> bool:
     """Return whether y (n,) moves with OP the way of its ``jumps`` while OP comes back for one."""
     at, size = jumps
-    agree = np.sign(op[at] - op[at - SIDE]) * np.sign(size)
+    agree = np.sign(op[at] - op[at - SIDE_SAMPLES]) * np.sign(size)
     sign = 1.0 if agree.sum() >= 0.0 else -1.0
     at, way = at[agree == sign], sign * np.sign(size[agree == sign])
     moved, told = [], []
     for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
         back = slice(a + 1 + int(np.argmax(old * op[a + 1 : b + 1])), b - 1)
-        if old != new and len(op[back]) >= SIDE:
+        if old != new and len(op[back]) >= SIDE_SAMPLES:
             moved.append(op[back] - np.mean(op[back]))
             told.append(sign * (y[back] - np.mean(y[back])))
     if not moved:
@@ -135,7 +135,7 @@ def driving(op: Values, pv: Values) -> Values:
     """
     rate = rate_of(pv)
     bend, moves = np.diff(rate[1:]), np.column_stack([pv[1:-1] - pv[:-2], np.diff(op[1:])])
-    smooth = np.abs(bend) <= np.percentile(np.abs(bend), SMOOTH)
+    smooth = np.abs(bend) <= np.percentile(np.abs(bend), SMOOTH_PERCENT)
     if not np.any(moves[smooth]):
         return rate
     a = -float(np.linalg.lstsq(moves[smooth], bend[smooth], rcond=None)[0][0])

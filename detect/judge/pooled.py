@@ -20,7 +20,7 @@ import numpy as np
 from stickslip.detect.chances import chance
 from stickslip.detect.judge.actions import CAUSES
 from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
-from stickslip.detect.judge.earned import usable
+from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.model import Model, Opinion, calibrated
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.words import said

@@ -4,7 +4,7 @@
     range of OP < 2 f_S = S + J        and, as J is at most S,        S > half of the range of OP
 
 A control valve shall follow moves of 1 % (EnTech, Control Valve Dynamic Specification 3.0, 1998), one with a positioner
-follows 0.1 to 0.5 %; so ``TRAVEL`` of OP, back and forth, that leaves the stem where it is, is beyond a sound valve.
+follows 0.1 to 0.5 %.  So a stem that stands while OP moves by ``MUST_MOVE_PERCENT`` and back is beyond a sound valve.
 A deadband without jump (J = 0) stands as well.  It is the rarer: of 6,000 simulated loops (training law, seeds 64000
 and 64010 to 64019), half of them sticky, the stem stood in 17 with a stick and 1 with a deadband while OP turned back.
 
@@ -25,19 +25,19 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Grid, Prepared
-from stickslip.detect.prepare.smoothing import noise_std
-from stickslip.detect.prepare.stick import turns
+from stickslip.detect.signals.smoothing import noise_std
+from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT, NEED_NOT_MOVE_PERCENT
+from stickslip.detect.stem.stick import turns
 
 __all__ = ["Still", "still_stem"]
 
 Values = npt.NDArray[np.float64]
-SOUND, TRAVEL = 1.0, 2.0  # % of OP's span, or of its unit: moves that need not and that must move a sound valve
-WIDEST = 30.0  # % of OP: S + J beyond it is rarer than a tag that is dead (plants show S up to 15 %, J up to S)
+WIDEST_PERCENT = 30.0  # % of OP: S + J beyond it is rarer than a tag that is dead (plants show S up to 15 %, J up to S)
 TURNS = 2  # of OP, by more than half of its range
-NOISE = 8.0  # standard deviations of MV's noise that a stem which stands may range over
-MOVES = 0.05  # of OP's range, that it may range over
-END = 0.5  # % of the span within which seat or stop may hold the stem
-BESIDE = 0.5  # of OP's range, that the stem may lie outside of it
+NOISE_SIGMAS = 8.0  # standard deviations of MV's noise that a stem which stands may range over
+MOVES_SHARE = 0.05  # of OP's range, that it may range over
+END_PERCENT = 0.5  # % of the span within which seat or stop may hold the stem
+BESIDE_SHARE = 0.5  # of OP's range, that the stem may lie outside of it
 FOLLOWS = 3.0  # times that SP ranges further than e, by their quartiles: PV goes with it
 
 SURE = (
@@ -76,17 +76,17 @@ def still_stem(loop: Prepared) -> Still | None:
         return None
     reach, moved = float(np.ptp(op)), float(np.ptp(mv))
     steady = moved <= 1e-6 * max(float(np.max(np.abs(mv))), 1e-300)
-    if not steady and moved > min(NOISE * noise_std(grid.t, mv), MOVES * reach):
+    if not steady and moved > min(NOISE_SIGMAS * noise_std(grid.t, mv), MOVES_SHARE * reach):
         return None
     percent = loop.op_percent(1.0)
     scale, unit = (percent, "% of its span") if percent is not None else (1.0, "its unit")
     travel, turned = reach * scale, len(turns(op, 0.5 * reach))
-    if travel < SOUND:
+    if travel < NEED_NOT_MOVE_PERCENT:
         return None
     means, why = _meaning(loop, grid, float(np.mean(mv)), percent)
     if means == "sticks":
         band = f"S + J above {float(f'{travel:.2g}'):g} {unit.replace('its span', 'OP').replace('its', 'the')}"
-        enough = percent is not None and TRAVEL <= travel <= WIDEST and turned >= TURNS
+        enough = percent is not None and MUST_MOVE_PERCENT <= travel <= WIDEST_PERCENT and turned >= TURNS
         means, why = ("sticks", f"it sticks, {band}, {why}") if enough else ("open", f"{band}, if {OPEN}")
     return Still(travel, unit, turned, means, why)
 
@@ -103,9 +103,9 @@ def _meaning(
                 "PV follows the moves of SP all the same, so that the valve moves and the stem's tag is dead.",
             )
     span = loop.record.op_span
-    if span is not None and percent is not None and not min(abs(place - end) for end in span) > END / percent:
+    if span is not None and percent is not None and not min(abs(place - end) for end in span) > END_PERCENT / percent:
         return "open", "it lies at an end of its span, where its seat or stop may hold it."
     low, high = float(np.min(grid.op)), float(np.max(grid.op))
-    if not low - BESIDE * (high - low) <= place <= high + BESIDE * (high - low):
+    if not low - BESIDE_SHARE * (high - low) <= place <= high + BESIDE_SHARE * (high - low):
         return "open", f"its tag says {place:.4g}, where OP never goes: it is dead, or has another unit than OP."
     return "sticks", SURE

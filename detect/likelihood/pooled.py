@@ -37,13 +37,13 @@ from stickslip.detect.likelihood.stems import COARSE, FINER, LATE, Gains, Stems
 __all__ = ["Day", "Evidence", "evidence_of"]
 
 Values = npt.NDArray[np.float64]
-GAIN, WITHOUT_BEST, TURNS, DELAYS = 10.0, 5.0, 4, 2  # to accuse
-LOSS, ANSWERS, KEEPS = 10.0, 10.0, 3.0  # to clear
-ACCUSED, EXCLUDED = 0.1, 0.15  # of OP's travel: least S that is called, that must be excluded
-WITHIN = 2.0  # nats below the best that S's interval reaches
-FINEST = 10.0  # samples between two turns of OP, below which sampling makes false gains
-SAYS = 1.0  # nats of a day that tells anything
-JUMP = 5.0  # nats from which on a jump is told
+GAIN_NATS, WITHOUT_BEST_NATS, TURNS, DELAYS = 10.0, 5.0, 4, 2  # to accuse
+LOSS_NATS, ANSWERS_NATS, KEEPS = 10.0, 10.0, 3.0  # to clear
+ACCUSED_SHARE, EXCLUDED_SHARE = 0.1, 0.15  # of OP's travel: least S that is called, that must be excluded
+INTERVAL_NATS = 2.0  # nats below the best that S's interval reaches
+FINEST_SAMPLES = 10.0  # samples between two turns of OP, below which sampling makes false gains
+SAYS_NATS = 1.0  # nats of a day that tells anything
+JUMP_NATS = 5.0  # nats from which on a jump is told
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Evidence:
     @property
     def coarse(self) -> bool:
         """Whether there are too few samples between two turns of OP."""
-        return self.between < FINEST
+        return self.between < FINEST_SAMPLES
 
     @property
     def better(self) -> bool:
@@ -116,9 +116,9 @@ class Evidence:
 
     @property
     def excludes(self) -> bool:
-        """Whether every S from ``EXCLUDED`` of OP's travel on is excluded, a line tells PV best and PV answers OP."""
-        hidden = self.excluded > EXCLUDED * self.travel * 10.0 ** (1.0 / COARSE)  # the next size of the grid
-        told = self.answers >= ANSWERS and self.steady and self.turned >= TURNS
+        """Whether every S from ``EXCLUDED_SHARE`` of OP's travel on is excluded, a line is best and PV answers OP."""
+        hidden = self.excluded > EXCLUDED_SHARE * self.travel * 10.0 ** (1.0 / COARSE)  # the next size of the grid
+        told = self.answers >= ANSWERS_NATS and self.steady and self.turned >= TURNS
         return not hidden and told and self.bent <= 0.0 and not self.coarse
 
     @property
@@ -129,12 +129,12 @@ class Evidence:
     @property
     def claim(self) -> float:
         """Least S from which on all are said to be excluded [unit of OP]; smaller ones would not show reliably."""
-        return max(self.excluded, EXCLUDED * self.travel)
+        return max(self.excluded, EXCLUDED_SHARE * self.travel)
 
     @property
     def agreeing(self) -> int:
         """Records that speak for this S."""
-        return sum(day.adds > SAYS for day in self.days)
+        return sum(day.adds > SAYS_NATS for day in self.days)
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     """The evidence of one valve from its records; raises ValueError for none.
 
     >>> from stickslip.detect.likelihood.stems import stems_of
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> t, rng = np.arange(2000.0), np.random.default_rng(1)
     >>> u = 5 * np.sin(t / 25) + np.sin(t / 80)
     >>> y = np.concatenate([[0.0], stick(u, 2.0)[:-1]]) + 0.1 * rng.normal(size=2000)
@@ -174,7 +174,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     step = FINER // COARSE
     ranges = [one.size_range() for one in records]
     grid = np.arange(min(r[0] for r in ranges), max(r[-1] for r in ranges) + 1, step)
-    least = FINER * math.log10(ACCUSED * travel)
+    least = FINER * math.log10(ACCUSED_SHARE * travel)
     count = max(len(one.ks) for one in records)  # 3, and 3 longer ones where OP without a stick likes a delay
     ks = [[one.ks[d] if d < len(one.ks) else one.ks[d - 3] for one in records] for d in range(count)]
     at = [_at([one.gains(k) for one, k in zip(records, each, strict=True)], records, grid, least) for each in ks]
@@ -187,7 +187,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     low, high = _interval(best, at[shown])
     losses = np.stack([np.maximum.accumulate(one.total.max(axis=1)[::-1])[::-1] for one in at])  # at least that large
     worst = losses.max(axis=0)
-    out = np.flatnonzero(worst <= -LOSS)
+    out = np.flatnonzero(worst <= -LOSS_NATS)
     answers = [[gains.answer for gains in one.kept] for one in at[-3:]]
     holds = max(sum(one.holds for one in near[d : d + 3]) for d in range(0, count, 3))
     days = tuple(_day(one, at[shown].kept[i], best, i) for i, one in enumerate(records))
@@ -230,7 +230,7 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
     total, chosen = _summed(kept, grid, FINER // COARSE if len(kept) > 1 else 0, rival, rows)
     allowed = np.where((grid >= least)[:, None], total, -np.inf)
     i, j = (int(n) for n in np.unravel_index(int(np.argmax(allowed)), allowed.shape))
-    if j and total[i, 1] < allowed[:, 0].max() + JUMP:  # a jump is told only where it gains
+    if j and total[i, 1] < allowed[:, 0].max() + JUMP_NATS:  # a jump is told only where it gains
         i, j = int(np.argmax(allowed[:, 0])), 0
     at = tuple(int(one[i, j]) for one in chosen)
     sections = np.concatenate([part.sections[a, j] - part.rivals[rival][1] for part, a in zip(kept, at, strict=True)])
@@ -241,8 +241,10 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
         S = 10.0 ** (part.sizes[a] / FINER)
         turned += one.reversals(S, part.shape[a, j])
     adds = [part.score[a, j] - part.rivals[rival][0] for part, a in zip(kept, at, strict=True)]
-    agree = sum(x > SAYS for x in adds) >= sum(x < -SAYS for x in adds) and (len(adds) == 1 or gain > max(adds))
-    holds = gain >= GAIN and without >= WITHOUT_BEST and turned >= TURNS and agree
+    agree = sum(x > SAYS_NATS for x in adds) >= sum(x < -SAYS_NATS for x in adds) and (
+        len(adds) == 1 or gain > max(adds)
+    )
+    holds = gain >= GAIN_NATS and without >= WITHOUT_BEST_NATS and turned >= TURNS and agree
     unpaid = float((total + _paid(rows)).max())
     return _At(
         holds, gain, without, turned, unpaid, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections
@@ -261,10 +263,10 @@ def _nearer(coarse: _At, records: Sequence[Stems], ks: Sequence[int], least: flo
 
 
 def _interval(best: _At, coarse: _At) -> tuple[float, float]:
-    """Where G lies within ``WITHIN`` of its best, on the fine sizes and, beyond them, on the coarse ones."""
+    """Where G lies within ``INTERVAL_NATS`` of its best, on the fine sizes and, beyond them, on the coarse ones."""
     sizes = np.concatenate([best.grid, coarse.grid])
     values = np.concatenate([one.total[:, int(best.jumps)] for one in (best, coarse)])
-    inside = sizes[values >= best.gain - WITHIN]
+    inside = sizes[values >= best.gain - INTERVAL_NATS]
     return 10.0 ** ((inside.min() - 1) / FINER), 10.0 ** ((inside.max() + 1) / FINER)
 
 

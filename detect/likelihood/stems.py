@@ -27,9 +27,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.likelihood.regression import lines
-from stickslip.detect.likelihood.rows import LATEST, Rows, past, rows_of
-from stickslip.detect.prepare.stick import stick
-from stickslip.detect.prepare.valve_models import he
+from stickslip.detect.likelihood.rows import LATEST_ROWS, Rows, past, rows_of
+from stickslip.detect.stem.stick import stick
+from stickslip.detect.stem.valve_models import he
 
 __all__ = ["FINER", "Gains", "Stems", "stems_of"]
 
@@ -44,10 +44,10 @@ STARTS = (-0.9, 0.0, 0.9)  # of f_S (Kano) or f_D (He), where the stem may not m
 ORDERS = ((3, 3), (6, 5), (10, 8))  # rows of PV's and the input's past
 TAILS = (5.0, 3.0, 10.0, 50.0)  # degrees of freedom; the first for the search of order and delay
 DELAYS = (1, 2, 3, 4, 6, 8, 11, 15, 20)
-NEAR, SURE = 4, 3.0  # a longer delay than NEAR is believed from so many nats on
+NEAR, SURE_NATS = 4, 3.0  # a longer delay than NEAR is believed from so many nats on
 LATE = "OP with another delay"
 SECTIONS = 10  # of a record, whose gains are kept apart
-FEWEST = 100  # rows
+ROWS_MIN = 100  # rows
 STEPS = 4  # of the fit of a stick, from the weights of the line through OP
 
 
@@ -164,7 +164,7 @@ class Stems:
         return int(np.sum(moves[1:] != moves[:-1]))
 
     def _kept(self, x: Values) -> Values:
-        return np.asarray(x[LATEST:][self.rows.used])
+        return np.asarray(x[LATEST_ROWS:][self.rows.used])
 
     def _inputs(self, w: Values, k: int, b: int) -> Values:
         """Inputs (n, c) or (n,) of k to k + b - 1 rows ago: (c, rows, b)."""
@@ -180,7 +180,7 @@ class Stems:
         target = y * root
         target = target - q @ (q.T @ target)
         told = np.empty((inputs.shape[1], self.order[1]))
-        at = np.flatnonzero(self.rows.used) + LATEST
+        at = np.flatnonzero(self.rows.used) + LATEST_ROWS
         told_by(np.ascontiguousarray(inputs.T), at, k, root, np.ascontiguousarray(q.T), target, told)
         return np.asarray(-np.log(np.maximum(target @ target - told[:, 0], 1e-300)))
 
@@ -223,7 +223,9 @@ class Stems:
 
 
 def stems_of(op: Values, pv: Values) -> Stems | None:
-    """Make a record ready, OP and PV (m,) on an even grid; None where too little of it moves or is left.
+    """Return a record ready for weighing stems, or None if too little of it moves or is left.
+
+    ``op``, ``pv`` (m,) stand on an even grid.
 
     >>> t = np.arange(2000.0)
     >>> rng = np.random.default_rng(1)
@@ -234,11 +236,11 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     1.8
     """
     rows = rows_of(op, pv)
-    if rows is None or int(np.sum(rows.used)) < FEWEST:
+    if rows is None or int(np.sum(rows.used)) < ROWS_MIN:
         return None
-    y = rows.y[LATEST:][rows.used]
+    y = rows.y[LATEST_ROWS:][rows.used]
     u = rows.input(rows.op)
-    time = np.linspace(-1.0, 1.0, len(rows.y))[LATEST:][rows.used]
+    time = np.linspace(-1.0, 1.0, len(rows.y))[LATEST_ROWS:][rows.used]
     delays = tuple(d for d in DELAYS if d <= NEAR or 2 * d * rows.q <= rows.between)
     logs = 0.5 * math.log(len(y))
     score = np.empty((len(ORDERS), len(delays)))
@@ -248,7 +250,7 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
         X = np.stack([np.concatenate([bases[i], past(u, d, b)[rows.used]], axis=1) for d in delays])
         score[i] = lines(X, y, TAILS[0], rows.floor, 4).total - logs * X.shape[2]
     near = score[:, :NEAR]
-    best = score if score.max() >= near.max() + SURE else near
+    best = score if score.max() >= near.max() + SURE_NATS else near
     i, at = (int(n) for n in np.unravel_index(int(np.argmax(best)), best.shape))
     (a, b), d = ORDERS[i], delays[at]
     X = np.concatenate([bases[i], past(u, d, b)[rows.used]], axis=1)[None]

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import math
 
-from stickslip.detect.likelihood.pooled import ANSWERS, DELAYS, EXCLUDED, FINEST, GAIN, TURNS, WITHOUT_BEST, Evidence
+from stickslip.detect.likelihood.pooled import (
+    ANSWERS_NATS,
+    DELAYS,
+    EXCLUDED_SHARE,
+    FINEST_SAMPLES,
+    GAIN_NATS,
+    TURNS,
+    WITHOUT_BEST_NATS,
+    Evidence,
+)
 
 __all__ = ["said"]
 
@@ -40,8 +49,8 @@ def said(e: Evidence, percent: bool) -> str:
 def _hides(e: Evidence, unit: str) -> str:
     """Why dead travel is not excluded."""
     if e.coarse:
-        return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST:g} needed)"
-    if e.answers < ANSWERS:
+        return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST_SAMPLES:g} needed)"
+    if e.answers < ANSWERS_NATS:
         return "PV shows no answer to OP"
     if e.turned < TURNS:
         return f"OP turns back {e.turned} times only ({TURNS} needed)"
@@ -51,17 +60,17 @@ def _hides(e: Evidence, unit: str) -> str:
         return f"PV answers OP by no straight line ({e.bent:.3g} nats), as where a valve sticks"
     if not e.steady:
         return "the answer of PV to OP hangs on the delay that is assumed"
-    return f"one of {EXCLUDED * e.travel:.2g} {unit} could hide"
+    return f"one of {EXCLUDED_SHARE * e.travel:.2g} {unit} could hide"
 
 
 def _short(e: Evidence) -> str:
     """What is missing for dead travel to be called."""
     if e.coarse:
-        return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST:g} needed)"
-    if e.gain < GAIN:
-        return f"{GAIN:g} are needed"
-    if e.without_best < WITHOUT_BEST:
-        return f"by {e.without_best:.3g} without the best tenth ({WITHOUT_BEST:g} needed)"
+        return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST_SAMPLES:g} needed)"
+    if e.gain < GAIN_NATS:
+        return f"{GAIN_NATS:g} are needed"
+    if e.without_best < WITHOUT_BEST_NATS:
+        return f"by {e.without_best:.3g} without the best tenth ({WITHOUT_BEST_NATS:g} needed)"
     if e.turns < TURNS:
         return f"the stem turns {e.turns} times only ({TURNS} needed), and a load that drifts looks the same"
     if e.agreeing * 2 < len(e.days):

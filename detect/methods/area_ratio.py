@@ -54,12 +54,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare import cycles
-from stickslip.detect.prepare.cycles import Cycles, Refusal
-from stickslip.detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
-from stickslip.detect.prepare.lateness import Lateness, closed_form, lag_of, lateness
-from stickslip.detect.prepare.order import percentile
+from stickslip.detect.half_waves import cycles
+from stickslip.detect.half_waves.cycles import Cycles, Refusal
+from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN, HalfCycle
+from stickslip.detect.half_waves.lateness import Lateness, closed_form, lag_of, lateness
 from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
 from stickslip.detect.verdict import Code, Verdict, Word
 from stickslip.logs import LoopRecord

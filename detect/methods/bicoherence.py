@@ -8,7 +8,7 @@ over K segments of 64 samples, half overlapping, under a Hann window, DFT of 128
 denominators. A linear loop moved by Gaussian noise has neither; NGI alone above zero is non-Gaussian but linear, both
 are non-linear. Published limits (0.001 and 0.01) pass a clean sine, because a cyclic record fills its segments with the
 same few lines; hence each index must also exceed 95 % of the values of the record's own linear twins
-(``prepare.surrogates``), which have the same lines and other phases.
+(``signals.surrogates``), which have the same lines and other phases.
 
 Non-linear is not yet sticky. The second stage filters PV and OP to the coupled frequencies, fits an ellipse to the
 PV-OP curve of the most regular cycles and takes its chord along OP at the centre,
@@ -42,7 +42,7 @@ import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.surrogates import end_matched, phase_randomised
+from stickslip.detect.signals.surrogates import end_matched, phase_randomised
 from stickslip.detect.verdict import Verdict
 from stickslip.logs import LoopRecord
 

@@ -25,12 +25,12 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
-from stickslip.detect.prepare.play import travel_of
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.smoothing import noise_std
-from stickslip.detect.prepare.stem import stem_signal
-from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.signals.smoothing import noise_std
+from stickslip.detect.stem.play import travel_of
+from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

@@ -12,10 +12,10 @@ smoothing, the interval by weighing the half waves anew, and that an accusation'
 
 Not for a process of unknown kind: a square wave has SI = 0.44, so PV of a self-regulating loop says nothing. Where the
 proportional action rules, OP looks like PV; dead time and slow processes round the triangle, so a sine is not cleared.
-Outside waves that are squares or triangles look the same: where they keep time the method refuses (``prepare.clock``),
-and where a historian has drawn OP as straight lines, too.  Of 520 simulated loops ("training", seed 777001) that leaves
-7 of 14 wrong accusations, and 37 of 47 sticky valves found, for 8 of the others OP was stored as lines.  A dead loop is
-still accused at times: the controller makes OP from PV there as in any other.
+Outside waves that are squares or triangles look the same: where they keep time the method refuses
+(``oscillation.clock``), and where a historian has drawn OP as straight lines, too.  Of 520 simulated loops ("training",
+seed 777001) that leaves 7 of 14 wrong accusations, and 37 of 47 sticky valves found, for 8 of the others OP was stored
+as lines.  A dead loop is still accused at times: the controller makes OP from PV there as in any other.
 Measured on the prepared record: 1.5 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
+from stickslip.detect.half_waves.half_wave_fits import Samples, free_triangle, sine
+from stickslip.detect.methods.against_sine import AgainstSine
 from stickslip.detect.pool import Pool, pooled
-from stickslip.detect.prepare.against_sine import AgainstSine
-from stickslip.detect.prepare.half_wave_fits import Samples, free_triangle, sine
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
 from stickslip.detect.verdict import Verdict, Word

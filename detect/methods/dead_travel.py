@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.likelihood.pooled import GAIN
+from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
@@ -67,7 +67,7 @@ class Params:
     ``likelihood.pooled``.
     """
 
-    gain: float = GAIN
+    gain: float = GAIN_NATS
 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
@@ -121,7 +121,7 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     legend(left)
     middle.axvspan(e["S_low"], e["S_high"], color=SHADE, lw=0)
     middle.axhline(0.0, color=PALE, lw=0.8)
-    middle.axhline(GAIN, color=PALE, lw=0.8, ls=":")
+    middle.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
     middle.plot(verdict.array("sizes"), verdict.array("curve"), ".-", color=INK)
     middle.set_xscale("log")
     middle.set_xlabel(f"S [{unit}]")

@@ -38,7 +38,7 @@ from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.smoothing import moving_average
+from stickslip.detect.signals.smoothing import moving_average
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

@@ -35,11 +35,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.bootstrap import interval
-from stickslip.detect.prepare.half_cycles import crossings
-from stickslip.detect.prepare.order import percentile
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.signals.bootstrap import interval
+from stickslip.detect.signals.crossings import crossings
+from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
 from stickslip.detect.verdict import Code, Verdict, Word
 from stickslip.logs import LoopRecord
@@ -150,7 +150,7 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
 
 def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 4096) -> list[HalfWave]:
     """The half waves between neighbouring ``cuts`` [s] that have samples inside, as ``measure`` gives one by one."""
-    from stickslip.detect.prepare.half_cycle_kernels import half_waves
+    from stickslip.detect.half_waves.half_cycle_kernels import half_waves
 
     m = max(len(cuts) - 1, 0)
     sums, shapes = np.zeros((m, 7)), np.zeros((m, len(_PHASE)))
@@ -170,7 +170,7 @@ def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 409
 
 def _mean_abs(e: Values, memory: int) -> Values:
     """Mean of |e| up to each sample: of all samples while they are fewer than ``memory``, forgetting afterwards."""
-    from stickslip.detect.prepare.half_cycle_kernels import mean_abs
+    from stickslip.detect.half_waves.half_cycle_kernels import mean_abs
 
     found = np.empty(len(e))
     mean_abs(e, memory, found)
@@ -208,7 +208,7 @@ def _no_set_point(p: Params) -> Verdict:
 
 
 def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict:
-    from stickslip.detect.prepare.health_kernels import spread
+    from stickslip.detect.signals.kernels import spread
 
     def no(code: Code, reason: str) -> Verdict:
         return Verdict.not_applicable(NAME, code, reason, p.I_stiction)

@@ -3,7 +3,7 @@
     OP -> valve(S, J) -> G(q) -> PV,        F(S, J) = 100 (1 - |PV - model| / |PV - mean PV|) %
 
 S runs from 0 to the swing of OP and J from 0 to S (a triangle: in a limit cycle no valve sticks by more than OP swings;
-Lee, Ren and Huang 2008); behind each valve stands the best process of a bank (``prepare.linear_models``), identified by
+Lee, Ren and Huang 2008); behind each valve stands the best process of a bank (``stem.linear_models``), identified by
 output error or ARMAX, with a slow disturbance beside it in the extended models. The index is F of the best valve less F
 of the best process without valve [points]. All (S, J) within 2 points of the best F are the region of confidence.
 
@@ -33,11 +33,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.filters import summits
-from stickslip.detect.prepare.linear_models import Fit, Linear, bank, fit, near_by
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.valve_models import VALVES
+from stickslip.detect.signals.filters import summits
+from stickslip.detect.stem.linear_models import Fit, Linear, bank, fit, near_by
+from stickslip.detect.stem.valve_models import VALVES
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

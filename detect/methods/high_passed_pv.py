@@ -37,11 +37,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.bootstrap import interval
-from stickslip.detect.prepare.filters import first_order
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.pv_op_loops import SMOOTHED_AT, Loops, loops, tilt
+from stickslip.detect.signals.bootstrap import interval
+from stickslip.detect.signals.filters import first_order
 from stickslip.detect.verdict import Draw, Verdict
 from stickslip.logs import LoopRecord
 

@@ -18,7 +18,7 @@ sampled).  A small W clears nothing: two signals that have nothing in common hav
 F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
 the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
 (``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it, and
-takes up to 30 % off S (docs/amounts.md).  In a limit cycle the stem has two places, and a correlation hardly tells J.
+takes up to 30 % off S (docs/evidence/amounts.md).  In a cycle it has two places, and a correlation hardly tells J.
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
@@ -31,11 +31,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.play import interval, travel_of
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.stem import stem_signal
-from stickslip.detect.prepare.stick import stick, turn_time, turns
+from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.stem.play import interval, travel_of
+from stickslip.detect.stem.stick import stick, turn_time, turns
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 
@@ -101,7 +101,7 @@ class Width(NamedTuple):
 def width(u: Values, y: Values, turn: float) -> Width:
     """The width of the play between u and y (n,); ``turn`` [samples] is the time between two turns of u.
 
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> t = np.arange(800.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> found = width(u, stick(u, 4.0), 47.0)
@@ -205,7 +205,7 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop.
 
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> t = np.arange(800.0)
     >>> op = 50 + 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> v = detect(LoopRecord.from_arrays(t, pv=stick(op, 4.0), op=op, process="self_regulating"))

@@ -10,7 +10,7 @@
               in oscillation; only where the loop oscillates, J need not show
     clock     rms with a wave of constant period beside OP through the lag / rms with play
 
-All models have the same lags (``prepare.lags``: any chain of lags and dead time, never the controller's inverse) and
+All models have the same lags (``stem.lags``: any chain of lags and dead time, never the controller's inverse) and
 the same freedom, so the only difference is the play.  s, the sign of the process gain, is that of the controller:
 feedback that holds a loop together has them equal.  The method needs no oscillation and no constant set point: moves
 of SP excite the valve.  It asks for reversals of OP with travel beyond S, for the play to win at most of them, for much
@@ -31,7 +31,7 @@ as 4.7 to 5.9 % in the tests); the interval knows nothing of that.
 Measured with a throw-away program on about 900 plainly drawn loops (PI; lags, dead time or an integrator; S 2 to 15 %,
 J from 0.3 S; half with a walking load): 87 of 200 sticky valves found (many others come to rest and show nothing), none
 cleared, S 6 % low in the median; about 2 of 700 others called sticky.  Its limits were set on 360 others.  Under other
-friction laws and every fault of the data (``docs/method_rates.md``, which can be run again) 47 of 300 were found, S
+friction laws and every fault of the data (``docs/evidence/method_rates.md``) 47 of 300 were found, S
 within 10 % in the median, and 4 of 300 others called sticky.
 
 Cost: 50 ms for 7,200 samples on one slow core.  Long records are averaged in blocks to ``points`` samples, but for 8
@@ -47,11 +47,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.controller import controller_sign
-from stickslip.detect.prepare.play import Fit, fit
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Grid, Prepared, prepared
-from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.stem.controller import controller_sign
+from stickslip.detect.stem.play import Fit, fit
+from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

@@ -17,11 +17,11 @@ From memory of the paper: the level of 1.  Ours: a level of 0.7, because the slo
 deviation exactly; 0.20 to 0.30 is left open, and less clears nothing.
 
 An outside sine that puts OP and PV a quarter of a period apart makes the same movements: rho_3 = 2 asin(0.7 / sqrt 2) /
-pi = 0.33.  So, ours, rho_3 must exceed that of the record's linear twins by 0.05 (``prepare.linear_twins``).
+pi = 0.33.  So, ours, rho_3 must exceed that of the record's linear twins by 0.05 (``stem.linear_twins``).
 
 Measured on 311 simulated loops, tight or under an outside sine, square or stochastic wave: 2 called sticky, both under
 a square (16 of 140 without the twins); of 160 sticky ones, many at rest, 22 found.  The margin was chosen after a part
-of these had been seen, so this is partly a fit; ``docs/method_rates.md`` has seeds that served nothing else.
+of these had been seen, so this is partly a fit; ``docs/evidence/method_rates.md`` has seeds that served nothing else.
 
 Not for levels, temperatures or gas pressures without MV.  Cost: about 3 ms for 7,200 samples.
 """
@@ -36,11 +36,11 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
-from stickslip.detect.prepare.controller import controller_sign
-from stickslip.detect.prepare.linear_twins import linear_twins
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.stem import stem_signal
+from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.stem.controller import controller_sign
+from stickslip.detect.stem.linear_twins import linear_twins
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

@@ -1,7 +1,7 @@
 """Qualitative shape of each cycle from its primitives, Rengaswamy, Hagglund and Venkatasubramanian 2001.
 
 Each cycle of OP (integrating process: of PV) is cut into straight and bent pieces by interval halving, and each piece
-is named by the signs of slope and bend (see ``prepare.interval_halving``).  A sine reads D G E B, a triangle C F C, a
+is named by the signs of slope and bend (see ``signals.interval_halving``).  A sine reads D G E B, a triangle C F C, a
 parabola wave G E.  Behind a sticky valve the signal after the first integrator is a triangle:
 
     index = share of the cycles that are at least 70 % of their time straight and sloping (C and F)
@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.interval_halving import Piece, primitives
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
 from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
+from stickslip.detect.signals.interval_halving import Piece, primitives
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

@@ -12,9 +12,9 @@ differ by the factor 1.53.  Ours: phase-free smoothing of PV, the interval by dr
 demand that an accusation's interval stays above zero.
 
 A sine is not cleared: noise draws S_I to 0, and slow processes behind a sticky valve turn every wave into a sine.
-An outside wave that is a square or a triangle looks the same; where it keeps time (``prepare.clock``) or PV does not
-follow OP the method refuses (of 520 simulated loops, "training", seed 777001, 66 sticky valves found as before, 5 wrong
-accusations where 10 were); a triangle with its apex near an end (0.9) has S_I = 0.2.
+An outside wave that is a square or a triangle looks the same; where it keeps time (``oscillation.clock``) or PV does
+not follow OP the method refuses (of 520 simulated loops, "training", seed 777001, 66 sticky valves found as before, 5
+wrong accusations where 10 were); a triangle with its apex near an end (0.9) has S_I = 0.2.
 Measured on the prepared record: 2 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
+from stickslip.detect.half_waves.half_wave_fits import Samples, relay, relay_wave, sine, triangle
+from stickslip.detect.methods.against_sine import AgainstSine
 from stickslip.detect.pool import pooled
-from stickslip.detect.prepare.against_sine import AgainstSine
-from stickslip.detect.prepare.half_wave_fits import Samples, relay, relay_wave, sine, triangle
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord

@@ -11,7 +11,7 @@ at which the stem moved on the most likely path: near 1 in a valve that follows,
 Stiction: index from 0.02 to 0.5, stays of 5 samples or more in the median, and a likelihood that exceeds that of the
 valve that always follows by ln(n) for every move. Amount: the median of the slips that end such a stay, those below
 half of the largest left out; a slip may be read as two, and the paper's valve has one size (S = J), so that it is a
-lower bound: all of S where J = S, from a fifth of it on where J is smaller (docs/amounts.md).
+lower bound: all of S where J = S, from a fifth of it on where J is smaller (docs/evidence/amounts.md).
 
 No oscillation is needed. It clears nothing: plain least squares of a loop under feedback may find the controller in the
 place of the process, and follows that as well. Not for slow sampling (the stem must stay some samples), a noisy PV, or

@@ -22,7 +22,7 @@ at an end of its own span (``end``) are left out, because its seat or stop may h
 known, a saturated OP is refused.
 
 Source: the picture is Choudhury, Thornhill, Shah 2005, Control Eng. Practice 13:641; reading it so and its limits are
-ours.  Not for a transmitter that reads the positioner's command; of a slip that takes more than ``SLIP`` samples
+ours.  Not for a transmitter that reads the positioner's command; of a slip that takes more than ``SLIP_SAMPLES``
 only these are read.  Where tight limits of a stand show no stick, wider ones are tried: friction gives a little
 before it breaks away.  Cost: about 8 ms for 7,200 samples, 15 ms where both are tried.
 """
@@ -36,11 +36,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.play import travel_of
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.stem_noise import rounding, stem_noise
-from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.stem.play import travel_of
+from stickslip.detect.stem.stem_noise import rounding, stem_noise
+from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 
@@ -52,10 +52,12 @@ __all__ = ["CARD", "Params", "Stem", "detect", "draw", "stem"]
 Values = npt.NDArray[np.float64]
 CREEPS, JUMPS = 0.03, 2.0  # of MV's range: a stem that gives so much before it breaks away stands; of that, its jumps
 LATEST, TURN_LATE = 3, 6.0  # samples that the stem may be late, at most, and over the samples from turn to turn of OP
-STOOD = 0.5  # share of the samples that such a stem must stand: one that lags behind OP keeps still where OP turns
-EACH = 0.2  # of the turns of OP: so many must turn the stem, unless they agree
-SLIP = 4  # samples that a slip may last
-PACED = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps are not told from that
+STOOD_SHARE = (
+    0.5  # share of the samples that such a stem must stand: one that lags behind OP keeps still where OP turns
+)
+TURNED_SHARE = 0.2  # of the turns of OP: so many must turn the stem, unless they agree
+SLIP_SAMPLES = 4  # samples that a slip may last
+PACED_SHARE = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps are not told from that
 NAME = "stem_play"
 
 CARD = Card(
@@ -129,7 +131,7 @@ def stem(
 
     It may be up to ``latest`` samples late.
 
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> t = np.arange(2000.0)
     >>> u = 5 * np.sin(t / 40) + np.sin(t / 171)
     >>> found = stem(u, 2.0 + 0.5 * stick(u, 4.0, 1.5))
@@ -199,7 +201,7 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
     )
     scatter = float(np.percentile(S_each, 75) - np.percentile(S_each, 25)) / S[0] if len(S_each) > 1 else math.inf
     J = _middle(J_each, step)
-    step = max(PACED * step, rounding(u)) if back.any() else step
+    step = max(PACED_SHARE * step, rounding(u)) if back.any() else step
     return Stem(
         S, (max(J[0], 0.0), max(J[1], 0.0), max(J[2], 0.0)), offset, gain, known, lag, scatter, step, S_each, J_each,
         first + lag, last + lag,
@@ -207,13 +209,13 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
 
 
 def _slips(u: Values, mv: Values, rest: Values, level: Values, last: npt.NDArray[np.intp], S: float) -> Values:
-    """J of every stand (r,) [unit of u]: how much further than OP beyond S the stem goes in ``SLIP`` samples.
+    """J of every stand (r,) [unit of u]: how much further than OP beyond S the stem goes in ``SLIP_SAMPLES`` samples.
 
     Without a jump the stem keeps S behind OP from the first of them on; air and mass make a slip last for several.
     """
     best = gone = beyond = np.zeros(len(last))
     on = np.ones(len(last), dtype=bool)
-    for k in range(1, SLIP + 1):
+    for k in range(1, SLIP_SAMPLES + 1):
         at = np.minimum(last + k, len(u) - 1)
         on &= np.abs(u[at] - rest) >= beyond  # behind a turn of OP a stem that merely lags goes on as well
         beyond = np.abs(u[at] - rest)
@@ -291,7 +293,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         creeping = stem(u, mv, max(sigma, give / 4.5), free, latest)
         said = _word(creeping, unit, unit * travel, len(at), apart, unit * JUMPS * give / abs(creeping.gain), p)
         stood = float(np.sum(creeping.last - creeping.first + 1)) / len(mv)
-        if said[0] == "stiction" and stood >= STOOD:
+        if said[0] == "stiction" and stood >= STOOD_SHARE:
             found, (word, why) = creeping, said
     S, J = (tuple(unit * v for v in triple) for triple in (found.S, found.J))
     evidence: dict[str, Values | float] = {
@@ -311,7 +313,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise: float, p: Params) -> tuple[Word, str]:
     m, of = len(f.S_each), "% of OP"
     same = m >= p.agreeing and float(np.ptp(f.S_each)) <= p.agreement * f.S[0]
-    needed = p.agreeing if same else max(p.reversals, math.ceil(EACH * turned))
+    needed = p.agreeing if same else max(p.reversals, math.ceil(TURNED_SHARE * turned))
     least = max(p.slip, noise)  # a stand ends where MV leaves the noise, which alone makes a small jump
     if m:  # when the stem left is known to within a sample, in an even cycle always with the same error
         least = max(least, unit * f.step)

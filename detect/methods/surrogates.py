@@ -4,7 +4,7 @@
     Gamma = mean squared error of the forecast of PV
     N = (mean Gamma_twins - Gamma) / (3 std Gamma_twins),     non-linear if N > 1
 
-E and H are one period, K = 8; the twins keep the spectrum and draw the phases anew (``prepare.surrogates``). Before,
+E and H are one period, K = 8; the twins keep the spectrum and draw the phases anew (``signals.surrogates``). Before,
 the wave is cut at upward crossings of zero, so that it repeats without a jump, and resampled to 12 a period: unmatched,
 a clean sine scores 2 to 5.
 
@@ -13,7 +13,7 @@ how cycles vary, because a wave that repeats exactly is as predictable as its tw
 among the tags that share one oscillation the largest N is nearest to its source, and that is what it is for.
 
 Source: Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434; E, H, K and the number of twins after secondary
-sources. Ours: ``FLOOR`` for the spread of the twins, and the refusal of quantised and compressed PV.
+sources. Ours: ``FLOOR_SHARE`` for the spread of the twins, and the refusal of quantised and compressed PV.
 
 Measured: none of 60 noisy sines, 10 narrow-band noises and 10 linear loops under an outside sine had N > 1; 7 of 10
 loops that cycle by a sticky valve under a wandering load had, and none of 10 that repeat almost exactly. About 0.1 s.
@@ -28,10 +28,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.half_cycles import crossings
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.surrogates import phase_randomised
+from stickslip.detect.signals.crossings import crossings
+from stickslip.detect.signals.surrogates import phase_randomised
 from stickslip.detect.verdict import Verdict
 from stickslip.logs import LoopRecord
 
@@ -42,7 +42,7 @@ __all__ = ["CARD", "Params", "detect", "draw", "forecast_error"]
 
 Values = npt.NDArray[np.float64]
 NAME = "surrogates"
-FLOOR = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
+FLOOR_SHARE = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
 
 CARD = Card(
     name=NAME,
@@ -131,7 +131,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return Verdict.not_applicable(NAME, "too_few_cycles", few, p.limit)
     twins = phase_randomised(x, p.twins, np.random.default_rng(0))
     gamma, *others = forecast_error(np.vstack([x, twins]), period, period, p.neighbours).tolist()
-    signed = (float(np.mean(others)) - gamma) / (3.0 * max(float(np.std(others, ddof=1)), FLOOR))
+    signed = (float(np.mean(others)) - gamma) / (3.0 * max(float(np.std(others, ddof=1)), FLOOR_SHARE))
     index = max(signed, 0.0)
     if index > p.limit:
         why = "the wave is not linear; that may be the valve or anything else that is not linear"

@@ -17,7 +17,7 @@ windows a period (8 samples where there is none), a limit of 0.12, and twice as 
 stays and PV does not, because chance, noise and a sine make both alike.  And OP must turn back: under a load ramp the
 controller moves OP to hold PV, whatever the valve is like.
 
-And Omega must be 1.3 times that of the record's linear twins (``prepare.linear_twins``), because tight tuning and
+And Omega must be 1.3 times that of the record's linear twins (``stem.linear_twins``), because tight tuning and
 coloured noise put OP and PV a lag apart.  Measured on 280 simulated loops without stiction, seeds of their own: 1
 called sticky, a deadband (19 of 210 without the twins); of 80 sticky ones, many at rest, 13 found.
 
@@ -33,12 +33,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.controller import controller_sign
-from stickslip.detect.prepare.linear_twins import linear_twins
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.prepare.stem import stem_signal
-from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.stem.controller import controller_sign
+from stickslip.detect.stem.linear_twins import linear_twins
+from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import Verdict, Word
 from stickslip.logs import LoopRecord
 

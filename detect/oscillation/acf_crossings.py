@@ -49,8 +49,8 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
-from stickslip.detect.prepare.gaps import bridgeable, split
-from stickslip.detect.prepare.smoothing import moving_average
+from stickslip.detect.signals.gaps import bridgeable, split
+from stickslip.detect.signals.smoothing import moving_average
 from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
@@ -123,7 +123,7 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     """
     parts = split(record, bridgeable(record, record.log.duration / p.cycles_min))
     if not parts:
-        return Gate(False, None, 0.0, 0.0, 0.0, "No good samples to test for an oscillation.")
+        return Gate.none("No good samples to test for an oscillation.")
     part = max(parts, key=len)
     x = record.pv if record.e is None else record.e
     return find_in(record.t[part], x[part], p)
@@ -189,11 +189,11 @@ def _find_one(t: Values, x: Values, p: Params) -> Gate:
 
     n = len(t)
     if n < _SAMPLES_MIN:
-        return Gate(False, None, 0.0, 0.0, 0.0, f"{n} samples are too few to test for an oscillation.")
+        return Gate.none(f"{n} samples are too few to test for an oscillation.")
     grid, y = np.empty(n), np.empty(n)
     std, largest = levelled(np.ascontiguousarray(t), np.ascontiguousarray(x), grid, y)
     if std <= 1e-12 * max(1e-300, largest):
-        return Gate(False, None, 0.0, 0.0, 0.0, "The signal does not move.")
+        return Gate.none("The signal does not move.")
     first = _acf_test(grid, _beat(y, p), p)
     if first.oscillating:
         return first
@@ -220,7 +220,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
             f"No sustained oscillation: the autocorrelation of e swings through zero {found} "
             f"time{'s' * (found != 1)} beyond the band of noise, {p.intervals_min + 1} are needed."
         )
-        return Gate(False, None, 0.0, amplitude, 0.0, reason)
+        return Gate.none(reason, amplitude)
     regularity = min(REGULARITY_MAX, mean / (3.0 * spread)) if spread > 0.0 else REGULARITY_MAX
     period = 2.0 * dt * mean
     cycles = n * dt / period
@@ -229,7 +229,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
             f"No oscillation that differs from noise: e changes its sign every {mean:.1f} samples "
             f"(one each {dt:.3g} s). If it does oscillate, a faster log will show it."
         )
-        return Gate(False, None, 0.0, amplitude, 0.0, reason)
+        return Gate.none(reason, amplitude)
     if cycles < p.cycles_min:
         return _too_short(period, n * dt, amplitude, p)
     oscillating = regularity > p.regularity_min

@@ -7,7 +7,7 @@ samples, for which whole arrays are too dear.
 from typing import Any
 
 import numpy as np
-from stickslip.detect.prepare.smoothing_kernels import averages
+from stickslip.detect.signals.smoothing_kernels import averages
 from stickslip.logs.compiled import njit
 
 __all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]

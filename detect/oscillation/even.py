@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.oscillation.gate import REGULARITY_MAX
-from stickslip.detect.prepare.gaps import bridgeable, split
+from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.logs import LoopRecord
 
 __all__ = ["Even", "acf", "even", "regularity"]

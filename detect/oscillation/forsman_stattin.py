@@ -72,13 +72,10 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    found = lobes(record, p.band)
+    found = lobes(record, p.band, p.half_periods)
     if isinstance(found, Gate):
         return found
     lengths, areas, dt, _, amplitude = found
-    if len(lengths) < p.half_periods:
-        few = f"{len(lengths)} whole half periods of e; {p.half_periods} are needed."
-        return Gate(False, None, 0.0, amplitude, 0.0, few)
     h, period = likeness(areas, lengths, p.alpha, p.gamma), 2.0 * float(np.median(lengths))
     oscillating = h > p.h_min and period >= 4.0 * dt
     reason = (

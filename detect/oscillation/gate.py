@@ -37,7 +37,7 @@ class Gate:
         Where it oscillates and how fast, in order of time; several when the period drifts, empty when the
         test does not say where.
 
-    >>> Gate(False, None, 0.0, 1.2, 0.0, "No regular crossings.").oscillating
+    >>> Gate.none("No regular crossings.", amplitude=1.2).oscillating
     False
     """
 
@@ -48,3 +48,8 @@ class Gate:
     cycles: float
     reason: str
     stretches: tuple[Stretch, ...] = ()
+
+    @classmethod
+    def none(cls, reason: str, amplitude: float = 0.0) -> Gate:
+        """Return the answer of a test that found no oscillation to speak of, and why; ``amplitude`` of the signal."""
+        return cls(False, None, 0.0, amplitude, 0.0, reason)

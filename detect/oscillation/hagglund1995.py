@@ -138,7 +138,7 @@ def gate(p: Params, s: State) -> Gate:
     intervals = np.diff(s.crossed[1:] if len(s.crossed) < _KEPT else s.crossed)
     amplitude = 0.5 * math.pi * s.mean_abs
     if len(intervals) < 3:
-        return Gate(False, None, 0.0, amplitude, 0.0, f"{len(intervals)} whole half periods so far.")
+        return Gate.none(f"{len(intervals)} whole half periods so far.", amplitude)
     spread = float(np.std(intervals, ddof=1))
     mean = float(np.mean(intervals))
     regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
@@ -165,12 +165,12 @@ def find(record: LoopRecord, p: Params | None = None) -> Gate:
     """
     good = record.good
     if not good.any():
-        return Gate(False, None, 0.0, 0.0, 0.0, "No good samples.")
+        return Gate.none("No good samples.")
     e = record.e if record.e is not None else np.mean(record.pv[good]) - record.pv
     if p is None:
         std = float(np.std(e[good]))
         if std == 0:
-            return Gate(False, None, 0.0, 0.0, 0.0, "The signal does not move.")
+            return Gate.none("The signal does not move.")
         span = record.log.spans.get(record.pv_name)
         p = Params(a=0.5 * std if span is None else 0.01 * (span[1] - span[0]), band=0.1 * std)
     return gate(p, run(p, record.t[good], e[good]))

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.oscillation.acf_crossings import significant_crossings
-from stickslip.detect.oscillation.even import CYCLES_MIN, acf, even, regularity
+from stickslip.detect.oscillation.correlogram import correlogram
+from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.logs import LoopRecord
 
@@ -76,15 +76,10 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    signal = even(record)
-    if signal is None:
-        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
-    amplitude = math.sqrt(2.0) * float(np.std(signal.x))
-    rho = acf(signal.x)
-    zeros = significant_crossings(rho, p.band)
-    if len(zeros) < LOBES + 1:
-        few = f"the autocorrelation swings through zero {len(zeros)} times beyond the band of noise"
-        return Gate(False, None, 0.0, amplitude, 0.0, f"No sustained oscillation: {few}, {LOBES + 1} are needed.")
+    found = correlogram(record, p.band, LOBES + 1)
+    if isinstance(found, Gate):
+        return found
+    signal, amplitude, rho, zeros = found
     ratio = decay_ratio(rho, zeros)
     intervals = np.diff(zeros[: 2 * LOBES + 1]) * signal.dt
     period = 2.0 * float(np.mean(intervals))

@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.oscillation.acf_crossings import significant_crossings
-from stickslip.detect.oscillation.even import CYCLES_MIN, acf, even, regularity
+from stickslip.detect.oscillation.correlogram import correlogram
+from stickslip.detect.oscillation.even import CYCLES_MIN, acf, regularity
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.logs import LoopRecord
 
@@ -91,28 +91,23 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    signal = even(record)
-    if signal is None:
-        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
-    amplitude = math.sqrt(2.0) * float(np.std(signal.x))
-    rho = acf(signal.x)
-    zeros = significant_crossings(rho, p.band)
-    if len(zeros) < 3:
-        few = f"the autocorrelation swings through zero {len(zeros)} times beyond the band of noise, 3 are needed"
-        return Gate(False, None, 0.0, amplitude, 0.0, f"No oscillation: {few}.")
+    found = correlogram(record, p.band, 3)
+    if isinstance(found, Gate):
+        return found
+    signal, amplitude, _, zeros = found
     intervals = np.diff(zeros[:11])
     each = max(1, round(2.0 * float(np.mean(intervals)) / PER_PERIOD))
     n = len(signal.x) // each
     coarse = acf(signal.x[: n * each].reshape(n, each).mean(axis=1))
     lags = min(2 * PER_PERIOD, len(coarse) // 3)
     if lags < 8:
-        return Gate(False, None, 0.0, amplitude, 0.0, f"{n} samples of a sixteenth period are too few for a model.")
-    found = mode(coarse, lags)
-    period = found.period * each * signal.dt
+        return Gate.none(f"{n} samples of a sixteenth period are too few for a model.", amplitude)
+    seen = mode(coarse, lags)
+    period = seen.period * each * signal.dt
     cycles = len(signal.x) * signal.dt / period
-    oscillating = found.zeta < p.zeta_max and cycles >= CYCLES_MIN and period >= 4.0 * signal.dt
+    oscillating = seen.zeta < p.zeta_max and cycles >= CYCLES_MIN and period >= 4.0 * signal.dt
     reason = (
-        f"{'Oscillating' if oscillating else 'Not oscillating'}: damping {found.zeta:.2f} (limit {p.zeta_max:g}), "
+        f"{'Oscillating' if oscillating else 'Not oscillating'}: damping {seen.zeta:.2f} (limit {p.zeta_max:g}), "
         f"period {period:.4g} s, {cycles:.1f} cycles."
     )
     return Gate(oscillating, period, regularity(intervals), amplitude, cycles, reason)

@@ -68,13 +68,10 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    found = lobes(record, p.band)
+    found = lobes(record, p.band, math.ceil(2.0 * CYCLES_MIN))
     if isinstance(found, Gate):
         return found
     lengths, iae, dt, std, amplitude = found
-    if len(lengths) < 2.0 * CYCLES_MIN:
-        few = f"e crosses zero {len(lengths) + 1} times at most; 7 crossings are needed."
-        return Gate(False, None, 0.0, amplitude, 0.0, few)
     loads = float(np.mean(iae > 2.0 * p.tolerated * std * lengths / math.pi))
     r, period = regularity(lengths), 2.0 * float(np.mean(lengths))
     oscillating = r > p.regularity_min and loads >= p.share and period >= 4.0 * dt

@@ -5,14 +5,14 @@
     gain(x)     ln((1 - R2_0) / (1 - R2)),  for the best S of x
 
 A log of a plant holds tags that move with the stem: the stem position itself, the flow through the valve, a pressure
-behind it.  If none follows OP with R2_0 >= ``FOLLOWS``, the tag with the largest gain at an S of ``S_MIN`` or more
-tells how far OP travels without an answer, and how plainly.  If one does follow, it must be beaten: the gain is then
-ln((1 - R2_0 of the best follower) / (1 - R2 of the best tag)), near 0 for a valve that answers.  Straight lines over
-time and a constant are free.
+behind it.  If none follows OP with R2_0 >= ``FOLLOWS_R2``, the tag with the largest gain at an S of at least
+``S_MIN_PERCENT`` tells how far OP travels without an answer, and how plainly.  If one does follow, it must be beaten:
+the gain is then ln((1 - R2_0 of the best follower) / (1 - R2 of the best tag)), near 0 for a valve that
+answers.  Straight lines over time and a constant are free.
 
 The loop's own PV and SP are not asked: controller and process stand between them and OP, so that a lag passes for play.
 A lag between the stem and another tag does so, too; hence a gain is an order to look in, and no verdict.
-Idea and limits are ours; the stick is that of ``prepare.stick``.
+Idea and limits are ours; the stick is that of ``stem.stick``.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 
 __all__ = ["Answer", "answer_of", "without_line"]
 
 Values = npt.NDArray[np.float64]
-FOLLOWS = 0.98  # R2 of a tag with OP itself, from which on the valve is seen to answer
-S_MIN = 1.0  # % of OP span: a smaller band is worth no work on a valve
-SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
+FOLLOWS_R2 = 0.98  # R2 of a tag with OP itself, from which on the valve is seen to answer
+S_MIN_PERCENT = 1.0  # % of OP span: a smaller band is worth no work on a valve
+SKIP_SHARE = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
 WIDTHS = np.linspace(0.05, 0.95, 19)  # of the range of OP
 JUMPS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of S
 
@@ -59,7 +59,7 @@ def answer_of(op: Values, tags: Mapping[str, Values]) -> Answer:
     >>> answer_of(u, {"flow": 3 * u + 7}).follows
     'flow'
     """
-    travel, skip = float(np.ptp(op)), int(SKIP * len(op))
+    travel, skip = float(np.ptp(op)), int(SKIP_SHARE * len(op))
     if travel <= 0.0 or not tags or len(op) - skip < 20:
         return Answer(None, 0.0, 0.0, 0.0, None)
     S = np.concatenate([[0.0], np.repeat(travel * WIDTHS, len(JUMPS))])
@@ -68,8 +68,8 @@ def answer_of(op: Values, tags: Mapping[str, Values]) -> Answer:
     R2 = R2**2
     names, direct = list(tags), R2[:, 0]
     top = int(np.argmax(direct))
-    follows = names[top] if direct[top] >= FOLLOWS else None
-    wide = S >= S_MIN
+    follows = names[top] if direct[top] >= FOLLOWS_R2 else None
+    wide = S >= S_MIN_PERCENT
     if not wide.any():
         return Answer(follows, float(direct[top]), 0.0, 0.0, None)
     best = np.argmax(np.where(wide, R2, -1.0), axis=1)

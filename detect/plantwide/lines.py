@@ -2,9 +2,9 @@
 
     x less its straight line, under a Hann window, zero-padded four times  ->  power P(f)
     share(f) = sum of P over the main lobe about f / sum of P          [-]
-    a line     the largest P with at least three cycles in the log, if its share is ``LINE`` or more
-    a group    the line that holds most of the tags still without a group, and the tags with ``SHARE`` or more there,
-               if the autocorrelation of one of its ``TRIED`` strongest tags is regular at that period
+    a line     the largest P with at least three cycles in the log, if its share is ``LINE_SHARE`` or more
+    a group    the line that holds most of the tags still without a group, and the tags with ``COMMON_SHARE`` or more
+               there, if the autocorrelation of one of its ``TRIED`` strongest tags is regular at that period
 
 The last rule keeps noise out: a random walk, too, has a strongest line.
 
@@ -27,11 +27,11 @@ from stickslip.logs import LoopRecord
 __all__ = ["Spectra", "Together", "groups", "spectra"]
 
 Values = npt.NDArray[np.float64]
-CYCLES = 3.0  # fewest in the log: below, a drift is as good an answer
-LINE = 0.30  # of the variance, that a tag's own line must hold
-SHARE = 0.25  # of the variance, that a tag of the group must have at the common line
+CYCLES_MIN = 3.0  # fewest in the log: below, a drift is as good an answer
+LINE_SHARE = 0.30  # of the variance, that a tag's own line must hold
+COMMON_SHARE = 0.25  # of the variance, that a tag of the group must have at the common line
 TRIED = 5  # tags of a group that may confirm it
-PERIOD_OFF = 0.15  # relative: how far the period of the autocorrelation may lie from the line's
+PERIOD_OFF_SHARE = 0.15  # relative: how far the period of the autocorrelation may lie from the line's
 PAD = 4
 
 
@@ -92,7 +92,7 @@ def groups(found: Spectra) -> list[Together]:
     >>> [(round(one.period), tuple(one.shares)) for one in groups(spectra(t, signals))]
     [(31, ('b', 'a')), (82, ('c', 'd'))]
     """
-    first = math.ceil(CYCLES * PAD)
+    first = math.ceil(CYCLES_MIN * PAD)
     if not found.tags or found.power.shape[1] <= first + 1:
         return []
     peaks = first + np.argmax(found.power[:, first:], axis=1)
@@ -100,12 +100,12 @@ def groups(found: Spectra) -> list[Together]:
     free = np.ones(len(found.tags), dtype=bool)
     together: list[Together] = []
     while True:
-        lines = [int(k) for i, k in enumerate(peaks) if free[i] and own[i] >= LINE]
+        lines = [int(k) for i, k in enumerate(peaks) if free[i] and own[i] >= LINE_SHARE]
         if not lines:
             break
         k = max(lines, key=lambda line: float(np.sum(found.share(line)[free])))
         shares = found.share(k)
-        joined = free & (shares >= SHARE)
+        joined = free & (shares >= COMMON_SHARE)
         free &= ~joined
         if joined.sum() > 1 and _regular(found, np.flatnonzero(joined), shares, 1.0 / float(found.f[k])):
             names = [(tag, float(s)) for tag, s, here in zip(found.tags, shares, joined, strict=True) if here]
@@ -129,6 +129,6 @@ def _regular(found: Spectra, joined: npt.NDArray[np.intp], shares: Values, perio
     for i in sorted(joined.tolist(), key=lambda i: -float(shares[i]))[:TRIED]:
         x = found.rows[i]
         gate = acf_crossings.find(LoopRecord.from_arrays(found.t, pv=x, op=x))
-        if gate.oscillating and gate.period and abs(gate.period / period - 1.0) < PERIOD_OFF:
+        if gate.oscillating and gate.period and abs(gate.period / period - 1.0) < PERIOD_OFF_SHARE:
             return True
     return False

@@ -11,11 +11,11 @@
 
 A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
 A valve with a deadband but no jump makes a kink. Where something outside makes y jump and the valve answers, integral
-action takes the whole jump back before the next, and ``stood`` is 1. Called are slips where S is known to ``KNOWN``
-from ``REVERSALS`` reversals or more, or from ``AGREEING`` that agree, nearly all jumps go the way that OP moves (or the
-other way), OP never came back by more than S without one, and y stood. A stem that slides one way and stands the other
-scatters both readings of S: then S is that of the stems of some S and J whose slips and the jumps of y meet. Of several
-loops, jumps at the same instants belong to that whose stem, by S and J = S / 5, tells a tag best.
+action takes the whole jump back before the next, and ``stood`` is 1. Called are slips where S is known to
+``KNOWN_SHARE`` from ``REVERSALS`` reversals or more, or from ``AGREEING`` that agree, nearly all jumps go the way that
+OP moves (or the other way), OP never came back by more than S without one, and y stood. A stem that slides one way and
+stands the other scatters both readings of S: then S is that of the stems of some S and J whose slips and the jumps of y
+meet. Of several loops, jumps at the same instants belong to that whose stem, by S and J = S / 5, tells a tag best.
 
 Blind where OP travels by more than J in some three samples, and to jumps below ``SHARE`` of what else moves the tag.
 The idea and the limits are ours.
@@ -29,27 +29,27 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.plantwide.answers import without_line
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 
 __all__ = ["Jumps", "Slips", "jumps_of", "owners", "slips_of"]
 
 Values = npt.NDArray[np.float64]
-SIDE = 4  # samples of the slope on either side
+SIDE_SAMPLES = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
 MAIN, LARGER = 0.3, 0.5  # of the largest jumps of a tag; asked first with ``MAIN``, then of the larger ones alone
 REVERSALS = 4
 AGREEING, AGREE = 3, 0.02  # fewer reversals do where S ranges over no more than this share of it
-KNOWN = 0.03  # half of the 90 % interval of S, over S
+KNOWN_SHARE = 0.03  # half of the 90 % interval of S, over S
 EVEN = 1e-3  # of S: in an even cycle no reading scatters, and the first is taken
-WAY = 0.75  # share of the jumps that go the same way as OP, or against it
+SAME_WAY_SHARE = 0.75  # share of the jumps that go the same way as OP, or against it
 BEYOND, BACK = 1.2, 0.1  # of S, that OP may come back without a jump, and in which share of the cases more
 SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.65, 0.9])  # J over S of the stems that are tried
-IN_TIME = 0.9  # share of the slips of a stem, and of the jumps, that come within a sample of each other
-STOOD = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
-S_MIN = 1.0  # % of OP span
-TAKEN = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
+IN_TIME_SHARE = 0.9  # share of the slips of a stem, and of the jumps, that come within a sample of each other
+STOOD_SHARE = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
+S_MIN_PERCENT = 1.0  # % of OP span
+TAKEN_SHARE = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
 NEARLY = (0.85, 0.9, 0.95, 0.98)  # of S
-SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
+SKIP_SHARE = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
 
 
 class Jumps(NamedTuple):
@@ -87,11 +87,11 @@ def jumps_of(y: Values) -> Jumps:
     """
     d = np.diff(y)
     n = len(d)
-    if n < 4 * SIDE:
+    if n < 4 * SIDE_SAMPLES:
         return Jumps(np.empty(0, dtype=np.intp), np.empty(0))
-    slope = np.median(np.lib.stride_tricks.sliding_window_view(d, SIDE), axis=1)
-    k = np.arange(SIDE, n - SIDE - 1)
-    before, after = slope[k - SIDE], slope[k + 2]
+    slope = np.median(np.lib.stride_tricks.sliding_window_view(d, SIDE_SAMPLES), axis=1)
+    k = np.arange(SIDE_SAMPLES, n - SIDE_SAMPLES - 1)
+    before, after = slope[k - SIDE_SAMPLES], slope[k + 2]
     r = d[k] + d[k + 1] - before - after
     near = np.maximum(np.maximum(np.abs(before), np.abs(after)), np.abs(d[k + 2]))
     noise = 1.4826 * float(np.median(np.abs(r)))
@@ -133,9 +133,9 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
     at, size = jumps
     if len(at) <= AGREEING:
         return None
-    agree = np.sign(op[at] - op[at - SIDE]) * np.sign(size)
+    agree = np.sign(op[at] - op[at - SIDE_SAMPLES]) * np.sign(size)
     sign = 1.0 if agree.sum() >= 0.0 else -1.0
-    if np.mean(agree == sign) < WAY:
+    if np.mean(agree == sign) < SAME_WAY_SHARE:
         return None
     at, size = at[agree == sign], size[agree == sign]  # the others have another source
     way = sign * np.sign(size)
@@ -152,16 +152,16 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
             beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
     ways = [np.array(each) for each in (slid, still, paused)]
     same = min(_scatter(float(np.ptp(each)), float(np.median(each))) if len(each) else 1.0 for each in ways)
-    if len(slid) < (AGREEING if same <= AGREE else REVERSALS) or float(np.median(stood)) > STOOD * float(
+    if len(slid) < (AGREEING if same <= AGREE else REVERSALS) or float(np.median(stood)) > STOOD_SHARE * float(
         np.median(np.abs(size))
     ):
         return None
     middle, half = min((_middle(each) for each in ways), key=lambda one: max(_scatter(one[1], one[0]), EVEN))
     missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0
-    after = int(SKIP * len(op))
-    if half > KNOWN * middle or missed > BACK:
+    after = int(SKIP_SHARE * len(op))
+    if half > KNOWN_SHARE * middle or missed > BACK:
         middle, half = _timed(op, at, way, _middle(np.array(slid))[0], after)
-    if middle < S_MIN or half > KNOWN * middle:
+    if middle < S_MIN_PERCENT or half > KNOWN_SHARE * middle:
         return None
     stems = stick(op, *_stems(middle))[after:].T
     told = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
@@ -190,7 +190,7 @@ def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: i
     jumps, asked = max(int(np.count_nonzero(seen)), 1), np.maximum(np.count_nonzero(slip, axis=0), 1)
     met = np.count_nonzero((slip == near[:, None]) & (slip != 0.0), axis=0)
     share = 2.0 * np.minimum(met, jumps) / (jumps + asked)
-    good = sizes[share >= max(float(np.max(share)) - 0.03, IN_TIME)]
+    good = sizes[share >= max(float(np.max(share)) - 0.03, IN_TIME_SHARE)]
     if not len(good):
         return 1.0, float("inf")
     return 0.5 * float(good.min() + good.max()), 0.5 * float(good.max() - good.min())
@@ -220,7 +220,7 @@ def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps])
     every = ((loop, one) for loop, by_tag in found.items() for one in by_tag.values())
     for loop, one in sorted(every, key=lambda pair: -pair[1].told):
         at = jumps[one.tag].at
-        if any(other != loop and np.mean(np.isin(at, claimed)) > TAKEN for other, claimed in taken):
+        if any(other != loop and np.mean(np.isin(at, claimed)) > TAKEN_SHARE for other, claimed in taken):
             continue
         own.setdefault(loop, one)
         taken.append((loop, (at[:, None] + np.arange(-1, 2)).ravel()))

@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.judge.still_stem import TRAVEL
 from stickslip.detect.plantwide.answers import Answer, answer_of
 from stickslip.detect.plantwide.lines import Spectra, groups, spectra
 from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
+from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import Log, LogError, LoopRecord
 from stickslip.logs.processes import one_thread
@@ -39,8 +39,8 @@ __all__ = ["SCHEMA", "Group", "Survey", "Suspect", "survey"]
 SCHEMA = "stickslip.survey/1"
 Values = npt.NDArray[np.float64]
 POINTS = 3000  # of the grid: more shows no group and no band that fewer hide
-TRAVEL_MIN = 1.0  # % of OP span: a loop whose OP moves less feeds no oscillation worth a look
-PLAIN = math.log(2.0)  # gain from which a band is plain: at most half of what was left is left
+STILL_PERCENT = 1.0  # % of OP span: a loop whose OP moves less feeds no oscillation worth a look
+PLAIN_NATS = math.log(2.0)  # gain from which a band is plain: at most half of what was left is left
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Suspect:
             )
         elif self.seen_in is not None and self.travel <= self.S:
             said = f"{moves}, and {self.seen_in} stands still all the while"
-        elif self.gain >= PLAIN and self.seen_in is not None:
+        elif self.gain >= PLAIN_NATS and self.seen_in is not None:
             said = f"{moves}, and {self.seen_in} answers only after {self.S:.2g} %"
         elif self.follows is not None:
             said = f"{moves}, and {self.follows} follows at once: its valve answers"
@@ -112,9 +112,9 @@ class Group:
         period = f"{float(f'{self.period:.3g}'):g} s"
         said = f"{len(self.shares)} tags share an oscillation of {period}, of the loops {_listed(self.loops)}."
         if not self.suspects:
-            return f"{said} No OP of these loops moves by {TRAVEL_MIN:g} % of its span: the source lies elsewhere."
+            return f"{said} No OP of these loops moves by {STILL_PERCENT:g} % of its span: the source lies elsewhere."
         first = self.suspects[0]
-        if first.gain >= PLAIN or first.suspected:
+        if first.gain >= PLAIN_NATS or first.suspected:
             return f"{said} Look at the valve of {first.loop} first: {first.reason}"
         return (
             f"{said} No valve of the group is seen to stick; the source may lie outside. {first.loop}: {first.reason}"
@@ -190,7 +190,7 @@ def survey(log: Log, verdicts: Mapping[str, Word] | None = None) -> Survey:
 
     Raises ``LogError`` if the log notes no loop.
 
-    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.detect.stem.stick import stick
     >>> from stickslip.logs import LoopSignals
     >>> t = np.arange(2000.0)
     >>> u = 50 + 5 * np.sin(t / 20)
@@ -243,12 +243,12 @@ def _suspects(
         span = record.op_span
         op = np.zeros(1) if span is None else 100.0 * (signals[record.op_name] - span[0]) / (span[1] - span[0])
         travel = float(np.ptp(op))
-        if travel < TRAVEL_MIN:
+        if travel < STILL_PERCENT:
             still.add(record.name)
             continue
         own = record.mv_name if record.mv_name in signals else None
         if own is not None and _steady(signals[own]):  # what goes with OP goes with PV, and says nothing of this stem
-            gain = PLAIN if travel >= TRAVEL else 0.0  # no sound stem stands through it
+            gain = PLAIN_NATS if travel >= MUST_MOVE_PERCENT else 0.0  # no sound stem stands through it
             found.append(Suspect(record.name, travel, gain, travel, own, None, verdicts.get(record.name)))
             continue
         if own is not None:  # the stem itself is logged: no other tag need be asked

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.clock import LIMIT
-from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.health.fact import Fact
+from stickslip.detect.oscillation.clock import RATIO_MAX
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Code, Verdict
 
@@ -84,8 +84,8 @@ def _of_cause(card: Card, loop: Prepared, no: Callable[[Code, str], Verdict]) ->
     if "own_cycle" in card.needs and loop.clock.keeps_time:
         ratio, cycles = loop.clock
         return no("outside_wave", f"The wave keeps time as a clock: over {cycles} cycles its phase strays by "
-                                  f"{ratio:.2f} of the variance of a cycle ({LIMIT:g} and more where a loop makes its "
-                                  "own cycle), so something outside the loop drives it.")  # fmt: skip
+                                  f"{ratio:.2f} of the variance of a cycle ({RATIO_MAX:g} and more where a loop makes "
+                                  "its own cycle), so something outside the loop drives it.")  # fmt: skip
     return None
 
 

@@ -5,38 +5,36 @@
 Everything is worked out when a method first asks for it and kept, so that twenty methods cost one preparation.
 The wave of a signal is the signal on the even grid less its centred moving average over two periods, smoothed
 without phase by a Butterworth filter of order 2 that cuts at ``CUT`` times the frequency of the oscillation.
-A half wave is accepted from 0.25 to 1 period long, with five samples or more inside and a peak above half of the
-standard deviation.
+Which half waves are accepted, ``half_waves.waves`` says.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.detect.half_waves.cycles import Cycles, Refusal, cut
+from stickslip.detect.half_waves.waves import HalfWave, half_waves_of
+from stickslip.detect.health.causality import causality
+from stickslip.detect.health.conditions import drawn_op, examine
+from stickslip.detect.health.drawn import free_of_noise
+from stickslip.detect.health.fact import Fact
+from stickslip.detect.health.stale import without_stale
 from stickslip.detect.oscillation import acf_crossings
+from stickslip.detect.oscillation.clock import Clock, clock_of
 from stickslip.detect.oscillation.gate import Gate
-from stickslip.detect.prepare.causality import causality
-from stickslip.detect.prepare.clock import Clock, clock_of
-from stickslip.detect.prepare.conditions import drawn_op, examine
-from stickslip.detect.prepare.cycles import Cycles, Refusal, cut
-from stickslip.detect.prepare.drawn import free_of_noise
-from stickslip.detect.prepare.fact import Fact
-from stickslip.detect.prepare.filters import smoothed
-from stickslip.detect.prepare.gaps import bridgeable, split
-from stickslip.detect.prepare.half_cycles import crossings
-from stickslip.detect.prepare.harris import Harris, harris
-from stickslip.detect.prepare.pieces import Pieces, pieces_of
-from stickslip.detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
-from stickslip.detect.prepare.recent import recent
+from stickslip.detect.oscillation.pieces import Pieces, pieces_of
 from stickslip.detect.prepare.record_signals import RecordSignals
-from stickslip.detect.prepare.smoothing import moving_average, noise_std
-from stickslip.detect.prepare.stale import without_stale
+from stickslip.detect.signals.filters import smoothed
+from stickslip.detect.signals.gaps import bridgeable, split
+from stickslip.detect.signals.harris import Harris, harris
+from stickslip.detect.signals.smoothing import moving_average, noise_std
+from stickslip.detect.stem.process_kind import Kind, kind_of_data, kind_of_tag
+from stickslip.detect.stem.recent import recent
 from stickslip.logs import LoopRecord, read_loop
 from stickslip.logs.files.frames import frame_kind
 
@@ -44,14 +42,13 @@ if TYPE_CHECKING:
     from stickslip.detect.likelihood.pooled import Evidence
     from stickslip.detect.likelihood.stems import Stems
 
-__all__ = ["CUT", "STEPS_MAX", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
+__all__ = ["CUT", "STEPS_MAX", "Grid", "Prepared", "Signal", "prepared"]
 
 Values = npt.NDArray[np.float64]
 Signal = Literal["OP", "PV", "SP", "E", "MV"]
 
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
-HALF_SAMPLES_MIN = 5
 CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
 STEPS_MAX = 20_000  # of a grid; of a longer piece the last part is looked at
 
@@ -78,19 +75,6 @@ class Grid:
 
     def __len__(self) -> int:
         return len(self.t)
-
-
-class HalfWave(NamedTuple):
-    """One half wave: where it stands on the grid, its phase 0..1 (m,), and its values, made positive (m,).
-
-    ``sign`` is that of the signal there, ``length`` [s] the time between the crossings.
-    """
-
-    start: int
-    phase: Values
-    y: Values
-    sign: float
-    length: float
 
 
 class Prepared(RecordSignals):
@@ -202,7 +186,7 @@ class Prepared(RecordSignals):
 
     @cached_property
     def clock(self) -> Clock:
-        """Whether the wave of OP keeps time, as one from outside may; none is counted where no noise or wave is."""
+        """Whether the wave of OP keeps time, as one from outside may; without noise or a wave no cycle is counted."""
         grid = self.stretch
         if not math.isfinite(self.period) or free_of_noise(grid.t, grid.pv):
             return Clock(math.nan, 0)
@@ -261,7 +245,7 @@ class Prepared(RecordSignals):
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
         record = self.record
-        from stickslip.detect.prepare.health_kernels import last_before
+        from stickslip.detect.signals.kernels import last_before
 
         inside = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, side="right")))
         good = record.good[inside]
@@ -331,7 +315,7 @@ class Prepared(RecordSignals):
     def half_waves(self, name: Signal) -> tuple[HalfWave, ...]:
         """The accepted half waves of a signal, in order of time."""
         if name not in self._halves:
-            self._halves[name] = tuple(_half_waves(self.stretch.t, self.wave(name), self.period))
+            self._halves[name] = tuple(half_waves_of(self.stretch.t, self.wave(name), self.period))
         return self._halves[name]
 
 
@@ -354,24 +338,6 @@ def prepared(record: LoopRecord | Prepared | Any) -> Prepared:
         f"{type(record).__name__} is no loop; give a LoopRecord, or a frame of pandas, polars or pyarrow with a time, "
         "PV and OP"
     )
-
-
-def _half_waves(t: Values, y: Values, period: float) -> list[HalfWave]:
-    if len(t) < 2 or not math.isfinite(period):
-        return []
-    std, found = float(np.std(y)), []
-    for start, end in itertools.pairwise(crossings(t, y, 0.1 * std)):
-        first, stop = np.searchsorted(t, [start, end], side="left")
-        inside = y[first:stop]
-        length = float(end - start)
-        if len(inside) < HALF_SAMPLES_MIN or not 0.25 * period <= length <= period:
-            continue
-        sign = 1.0 if inside.sum() >= 0.0 else -1.0
-        if np.max(sign * inside) <= 0.5 * std:
-            continue
-        phase = np.concatenate([[0.0], (t[first:stop] - start) / length, [1.0]])
-        found.append(HalfWave(int(first), phase, np.concatenate([[0.0], sign * inside, [0.0]]), sign, length))
-    return found
 
 
 _EMPTY = Grid(np.empty(0), math.nan, np.empty(0), np.empty(0), np.empty(0), None, None, 0.0)

@@ -34,8 +34,8 @@ __all__ = ["SCHEMA", "Size", "StepResponse", "ValveTest", "analyse"]
 
 SCHEMA = "stickslip.valve-test/1"
 STEPS_MIN = 4
-HELD = 0.5  # of the record: where OP is held less, it is no step test
-LARGE = 2.0  # % of OP span: steps from this size on are timed
+HELD_SHARE = 0.5  # of the record: where OP is held less, it is no step test
+LARGE_PERCENT = 2.0  # % of OP span: steps from this size on are timed
 PLACES = stem_play.Params()  # how many reversals, and how alike, a deadband is read from
 T63, T86 = 0.632, 0.865
 NO_STEM = "No stem is logged: PV is taken as the answer, so the dynamics of the process count as the valve's."
@@ -136,7 +136,7 @@ class ValveTest(Shown):
             }
             count = len(self.responses)
             told = ", ".join(f"{name} {value:.3g} s" for name, value in times.items() if value is not None)
-            of = f"{count} step{'s' * (count > 1)} of {LARGE:g} % and more" + (" (median)" if count > 1 else "")
+            of = f"{count} step{'s' * (count > 1)} of {LARGE_PERCENT:g} % and more" + (" (median)" if count > 1 else "")
             said.append(f"{of}: {told}." if told else f"{of}: the answer did not come within the hold.")
             worst = max(response.overshoot for response in self.responses)
             said.append(f"Largest overshoot {100.0 * worst:.0f} % of the step.")
@@ -194,7 +194,7 @@ def analyse(record: LoopRecord) -> ValveTest:
     steps = steps_of(t, op, answer)
     noise = noise_of(t, answer)
     held = sum(step.stop - step.start for step in steps) / max(len(t), 1)
-    if len(steps) < STEPS_MIN or held < HELD:
+    if len(steps) < STEPS_MIN or held < HELD_SHARE:
         alone = routine_steps(t, op, answer, noise)
         return _from_routine(record, len(steps), tuple(_response(t, answer, step, noise) for step in alone))
     notes = [] if named == "MV" else [NO_STEM]
@@ -206,7 +206,7 @@ def analyse(record: LoopRecord) -> ValveTest:
     timed = tuple(
         _response(t, answer, step, noise)
         for step in steps
-        if step.moved and abs(step.size) >= LARGE and _at_once(op, step)
+        if step.moved and abs(step.size) >= LARGE_PERCENT and _at_once(op, step)
     )
     return ValveTest(
         record.name, named, "steps", sizes["deadband"], sizes["resolution"], None, _gain(steps), timed, steps,
@@ -230,7 +230,8 @@ def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...
     notes = [f"{few} {verdict.reason}"]
     if not timed:
         notes.append(
-            f"No step response: no move of OP of {LARGE:g} % or more stands alone, with OP steady before and after."
+            f"No step response: no move of OP of {LARGE_PERCENT:g} % or more stands alone, "
+            "with OP steady before and after."
         )
     deadband = jump = None
     count = len(verdict.array("S_each"))

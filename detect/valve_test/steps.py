@@ -3,7 +3,7 @@
 hold     OP stays within its resolution for at least ``HOLD_SAMPLES`` samples
 step     from one hold to the next
 place    mean of the answer over the last half of a hold
-moved    the place changed by more than ``SIGMAS`` standard errors, half its resolution, and ``SHARE`` of the step
+moved    the place changed by more than ``SIGMAS`` standard errors, half its resolution and ``ANSWER_SHARE`` of the step
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.prepare.smoothing import noise_std
+from stickslip.detect.signals.smoothing import noise_std
 
 __all__ = ["Step", "noise_of", "steps_of"]
 
@@ -22,7 +22,7 @@ Values = npt.NDArray[np.float64]
 
 HOLD_SAMPLES = 5
 SIGMAS = 4.0  # of the difference of two means
-SHARE = 0.05  # of the step of OP times the gain; a smaller answer is drift or leakage of noise
+ANSWER_SHARE = 0.05  # of the step of OP times the gain; a smaller answer is drift or leakage of noise
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def steps_of(t: Values, op: Values, answer: Values) -> tuple[Step, ...]:
         counts = [part.stop - part.start for part in settled]
         error = noise * math.sqrt(sum(1.0 / max(count, 1) for count in counts))
         before, after = float(np.median(op[first:last])), float(np.median(op[start:stop]))
-        least = max(SIGMAS * error, 0.5 * grain, SHARE * gain * abs(after - before))
+        least = max(SIGMAS * error, 0.5 * grain, ANSWER_SHARE * gain * abs(after - before))
         moved = abs(places[1] - places[0]) > least
         found.append(Step(float(t[start]), before, after, start, stop, places[0], places[1], moved))
     return tuple(found)

@@ -38,6 +38,9 @@ class Interpreter:
         starts = np.cumsum([0, *(len(block.x0) for block in self.blocks)])
         self.states = [slice(a, b) for a, b in itertools.pairwise(starts)]
         self.n_states = int(starts[-1])
+        flowing = [(b, self.blocks[b].kernels) for b in self.order if not self.blocks[b].sampled]
+        self.putting_out = [(b, kernels.out) for b, kernels in flowing if kernels.out is not None]
+        self.moving = [(b, k.der) for b, k in flowing if k.der is not None and len(self.blocks[b].x0)]
         self.x: Floats = np.concatenate([block.x0 for block in self.blocks]) if self.blocks else np.zeros(0)
         self.t = t0
         self.t_left = math.nextafter(t0, -math.inf)  # sources are not looked at beyond
@@ -55,6 +58,7 @@ class Interpreter:
                 self.dead[b] = block.dead_time, block.value_before
         self.thetas = [theta for theta, _ in self.dead.values()]
         self.pieces: list[tuple[float, float, dict[int, Floats]]] = []  # start, end, block -> inputs at the nodes
+        self.leaving: dict[int, list[float]] = {b: [] for b in self.dead}  # when each piece begins to leave [s]
         self.pending: list[tuple[float, int]] = []  # breakpoints still to leave a dead time
         self.n_events = [0 if block.sampled else block.kernels.n_events for block in self.blocks]
         self.most = 20 + 10 * sum(self.n_events)  # transitions at one instant
@@ -105,28 +109,26 @@ class Interpreter:
             now: Floats = self.s[self.wires[b]]
             return now
         theta, before = self.dead[b]
-        k = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0] + theta) - 1
+        k = bisect.bisect_right(self.leaving[b], t) - 1
         if k < 0:
             return np.full(len(self.wires[b]), before)
         start, end, values = self.pieces[k]
-        if not np.ptp(values[b], axis=0).any():
-            return np.asarray(values[b][0])  # what stands still is not rounded
+        if len(values[b]) == 1:
+            return np.asarray(values[b][0])
         gap = (t - theta - start) / (end - start) - NODES
-        near = np.flatnonzero(np.abs(gap) < 1e-14)
-        if near.size:
-            return np.asarray(values[b][near[0]])
+        near = np.abs(gap) < 1e-14
+        if near.any():
+            return np.asarray(values[b][np.argmax(near)])
         weights = WEIGHTS / gap
         return np.asarray(weights @ values[b] / weights.sum())
 
     def signals_at(self, t: float, x: Floats) -> Floats:
         """Compute all signals for state ``x`` at ``t`` [s]; returns ``self.s``."""
         t = min(t, self.t_left)
-        for b in self.order:
-            block = self.blocks[b]
-            if not block.sampled and block.kernels.out is not None:
-                y = np.zeros(len(self.places[b]))
-                block.kernels.out(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), y)
-                self.s[self.places[b]] = y
+        for b, out in self.putting_out:
+            y = np.zeros(len(self.places[b]))
+            out(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), y)
+            self.s[self.places[b]] = y
         return self.s
 
     def rates(self, t: float, x: Floats) -> Floats:
@@ -136,21 +138,16 @@ class Interpreter:
         self.signals_at(t, x)
         t = min(t, self.t_left)
         rates = np.zeros(self.n_states)
-        for b, block in enumerate(self.blocks):
-            if len(block.x0) and block.kernels.der is not None and not block.sampled:
-                part = np.zeros(len(block.x0))
-                block.kernels.der(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), part)
-                rates[self.states[b]] = part
+        for b, der in self.moving:
+            place = self.states[b]
+            der(t, x[place], self.d[b], self._input(b, t), self._p(b, t), rates[place])
         return rates
 
     def event_values(self, t: float, x: Floats) -> Floats:
         """Return all event functions, block after block."""
         if not any(self.n_events):
             return np.zeros(0)
-        slopes = np.zeros(len(self.s))
-        if self.shown:
-            slopes = self._signal_rates(t, x)
-        self.signals_at(t, x)
+        slopes = self._signal_rates(t, x) if self.shown else np.zeros(len(self.signals_at(t, x)))
         t = min(t, self.t_left)
         values = []
         for b, n in enumerate(self.n_events):
@@ -159,11 +156,14 @@ class Interpreter:
         return np.concatenate(values)
 
     def _signal_rates(self, t: float, x: Floats) -> Floats:
+        """Return the rates of change of all signals at ``t`` [s]; leaves the signals of that time behind."""
         f = self.rates(t, x)
-        now = self.signals_at(t, x).copy()
+        now = self.s.copy()
         shift = 1e-8 * max(1.0, abs(t))
         shift = shift if t + shift <= self.t_left else -shift
-        return np.asarray((self.signals_at(t + shift, x + shift * f) - now) / shift)
+        slopes = np.asarray((self.signals_at(t + shift, x + shift * f) - now) / shift)
+        self.s[:] = now
+        return slopes
 
     def _zc(self, b: int, t: float, x: Floats, u: Floats, slopes: Floats) -> Floats:
         block = self.blocks[b]
@@ -250,7 +250,6 @@ class Interpreter:
     def _fire_positive(self) -> bool:
         values = self.event_values(self.t, self.x)
         slopes = self._signal_rates(self.t, self.x) if self.shown else np.zeros(len(self.s))
-        self.signals_at(self.t, self.x)
         inputs = [self._input(b, min(self.t, self.t_left)).copy() for b in range(len(self.blocks))]
         fired, k = False, 0
         for b, n in enumerate(self.n_events):
@@ -349,4 +348,9 @@ class Interpreter:
             return
         values = np.array([self.signals_at(t + part * (t_new - t), state_at(t + part * (t_new - t))).copy()
                            for part in NODES])  # fmt: skip
-        self.pieces.append((t, t_new, {b: values[:, self.wires[b]] for b in self.dead}))
+        entered = {}
+        for b, (theta, _) in self.dead.items():
+            read = values[:, self.wires[b]]
+            entered[b] = read if np.ptp(read, axis=0).any() else read[:1]  # what stands still is not rounded
+            self.leaving[b].append(t + theta)
+        self.pieces.append((t, t_new, entered))

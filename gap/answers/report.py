@@ -84,7 +84,8 @@ class GapReport(Shown):
     ``gap`` says whether there is one; ``where``, ``causes``, ``ranking`` and ``shrinkage`` are as named; ``words`` is
     the report in sentences.  ``residuals`` gives for each signal the innovations of the model as it is and with the
     causes, (2, rows), at ``t`` (rows,) [s].  ``evidence`` is the basis of the answer.  ``seen`` lists, if there is no
-    gap, the sizes from which on each effect would have shown.
+    gap, the sizes from which on each effect would have shown.  ``hints`` says which mistake in units, signs, columns
+    or clocks would explain an unknown gap.
     """
 
     gap: bool
@@ -99,9 +100,10 @@ class GapReport(Shown):
     diagram: "Diagram"
     evidence: Evidence | None = None
     seen: tuple[Seen, ...] = ()
+    hints: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return "\n".join([*self.words, *(f"  - {note}" for note in self.notes)])
+        return "\n".join([*self.words, *self.hints, *(f"  - {note}" for note in self.notes)])
 
     @property
     def headline(self) -> str:
@@ -141,6 +143,7 @@ class GapReport(Shown):
                 {"effect": rank.effect, "place": rank.place, "probability": _digits(rank.probability)}
                 for rank in self.ranking
             ],
+            "hints": list(self.hints),
             "shrinkage": self.shrinkage and {key: _digits(v) for key, v in self.shrinkage.__dict__.items()},
         }
 
@@ -164,7 +167,11 @@ class GapReport(Shown):
     def _repr_html_(self) -> str:
         from stickslip.logs.notebook import image, paragraph
 
-        return "".join(paragraph(word) for word in self.words) + image(self.plot_diagram()) + image(self.plot())
+        return (
+            "".join(paragraph(word) for word in (*self.words, *self.hints))
+            + image(self.plot_diagram())
+            + image(self.plot())
+        )
 
 
 def _digits(value: float) -> float | None:

@@ -41,7 +41,7 @@ from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.filters.summed import with_outputs
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.records.model import nuisances, silenced
+from stickslip.gap.records.model import nuisances, silenced, stated_about
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
 from stickslip.gap.records.start import start_values
@@ -146,7 +146,26 @@ def outcome(
     progress: Progress = None,
     stem: LoggedStem | None = None,
 ) -> Outcome:
-    """Return what explains a record; ``stem`` what a logged stem says, which decides what can be."""
+    """Return what explains a record; ``stem`` what a logged stem says, which decides what can be.
+
+    Noise and loads are as the model states them.  Where nothing else explains the record then, or noise alone does,
+    they are fitted as well: nobody knows them exactly.  That counts if the record is likelier then by Schwarz's price.
+    """
+    stated = _explained(f, catalogue, seed, progress, stem)
+    noisy = all(isinstance(one.best.explanation.effect, SensorNoise) for one in stated.same)
+    if not (stated.gap and noisy):
+        return stated
+    loose = _explained(replace(f, loose=True), catalogue, seed, progress, stem)
+    price = 0.5 * len(stated_about(f.model)) * math.log(len(f.Y))
+    other = stated.plain.nll if stated.same else stated.best.nll  # a noise that is named is one that is stated wrongly
+    unexplained = loose.gap and not loose.same
+    return stated if unexplained or loose.best.nll > other - price else loose
+
+
+def _explained(
+    f: Filtering, catalogue: Sequence[Effect], seed: int, progress: Progress, stem: LoggedStem | None
+) -> Outcome:
+    """Return what explains a record, with noise and loads fitted or not, as ``f`` has them."""
     if stem is not None:
         catalogue = stem.possible(catalogue)
     elsewhere = stem is not None and not stem.follows

@@ -137,7 +137,7 @@ def _apart(plain: Found) -> Found:
 
 def first_fit(plain: Found, start: Filtered) -> Filtered:
     """Return a fit after a few steps; one of a controller with switches that suit it."""
-    names = free_names(start.explanation)
+    names = own_names(start.explanation)
     if not start.explanation.filtering.apart:
         return refined(start, names, FIRST).best
     near = refined(start, names, APART).best
@@ -173,6 +173,11 @@ def free_names(one: Explanation) -> tuple[str, ...]:
     """Return the parameters that a fit varies: not those whose few possible values the log shows."""
     own = () if isinstance(one.effect, STEPPED) else one.own
     return (*own, *one.filtering.free)
+
+
+def own_names(one: Explanation) -> tuple[str, ...]:
+    """Return the parameters that a first fit varies: noise and loads stay as the model without an effect has them."""
+    return tuple(name for name in free_names(one) if name in one.own or name in one.filtering.unsure)
 
 
 def _irregular(plain: Found) -> bool:

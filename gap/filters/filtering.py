@@ -79,7 +79,7 @@ class Explanation:
     def nominal(self) -> dict[str, float]:
         """Parameter -> its value without the effect."""
         own = self.effect.nominal(self.filtering.model, self.place) if self.effect else {}
-        return own | {key: float(self.filtering.quiet.params[key]) for key in self.filtering.free}
+        return own | self.filtering.stated
 
     @cached_property
     def own(self) -> tuple[str, ...]:
@@ -103,11 +103,11 @@ class Explanation:
     def _made(self, values: Mapping[str, float]) -> Scanned:
         f = self.filtering
         own = {name: values[name] for name in self.own}
-        params = {key: values[key] for key in f.free}
-        noise = f.noise
+        params = {key: values[key] for key in f.unsure}
+        noise = tuple(_with_sizes(one, values) for one in f.noise)
         if isinstance(self.effect, SensorNoise):
             noisy = str(noise_of(f.model, f.model[self.place]))
-            noise = tuple(replace(n, sd=n.sd * own["factor"]) if n.block == noisy else n for n in noise)
+            noise = tuple(replace(n, sd=n.sd * own["factor"]) if n.block == noisy else n for n in f.noise)
         elif isinstance(self.effect, Quantisation):
             noisy = str(noise_of(f.model, f.model[self.place]))
             noise = tuple(
@@ -180,6 +180,12 @@ class Explanation:
         U = np.column_stack([f.played, f.time, np.ones(f.scans), self.wave(full)])
         exact = (self.law in (laws.CURVED, laws.SLOW) or bool((one.period > 1).any())) if exact is None else exact
         return run(f, one, U, self.law, a, b, exact, self, full)
+
+
+def _with_sizes(one: Nuisance, values: Mapping[str, float]) -> Nuisance:
+    """Return a source of random numbers with its standard deviation and time as fitted, else as stated."""
+    T = values.get(f"{one.block}.correlation_time", one.correlation_time)
+    return replace(one, sd=values.get(f"{one.block}.sd", one.sd), correlation_time=T)
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,7 +186,7 @@ def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filter
     """
     one, f = start.explanation, start.explanation.filtering
     best = banked(one, start.values, bank)
-    steps = dict.fromkeys(one.own, wide) | {key: UNSURE * f.quiet.tolerances[key] for key in f.free}
+    steps = dict.fromkeys(one.own, wide) | {key: UNSURE * f.quiet.tolerances[key] for key in f.unsure}
     ways = dict.fromkeys(steps, 1.0)
     for _ in range(ROUNDS):
         base = best

@@ -12,7 +12,7 @@ from stickslip.gap.filters.affine import NotAffine
 from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import made_of
-from stickslip.gap.records.model import Nuisance, known_within, nuisances
+from stickslip.gap.records.model import Nuisance, known_within, nuisances, stated, stated_about
 from stickslip.gap.records.record import RARE, Record, rounding, switch_rows
 
 Floats = NDArray[np.float64]
@@ -25,7 +25,8 @@ SKIPPED = 60  # rows at the beginning, and at least the time in which a start is
 class Filtering:
     """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
     which each switch of an input comes before the row that shows it, (inputs, rows); ``apart``: whether rows just
-    behind a switch are left out; ``catalogue``: effects of which a little may be beside another.
+    behind a switch are left out; ``catalogue``: effects of which a little may be beside another; ``loose``: whether
+    noise and loads are fitted, about what the model states, or are as it states them.
     """
 
     model: Diagram
@@ -34,6 +35,7 @@ class Filtering:
     leads: NDArray[np.int64]
     apart: bool = False
     catalogue: tuple[Effect, ...] = ()
+    loose: bool = False
 
     @cached_property
     def counted(self) -> NDArray[np.bool_]:
@@ -101,9 +103,19 @@ class Filtering:
         return next((s for s in behind if s in self.ops), self.ops[-1])
 
     @cached_property
-    def free(self) -> dict[str, tuple[float, float]]:
+    def unsure(self) -> dict[str, tuple[float, float]]:
         """Parameters of the model that are known within a tolerance only, with (low, high)."""
         return known_within(self.quiet)
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """What is fitted with every explanation, with (low, high): tolerances, and ``loose`` noise and loads."""
+        return (stated_about(self.model) if self.loose else {}) | self.unsure
+
+    @cached_property
+    def stated(self) -> dict[str, float]:
+        """What the model states of all that is free."""
+        return stated(self.model, self.free)
 
     @cached_property
     def Y(self) -> Floats:

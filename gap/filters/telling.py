@@ -16,6 +16,7 @@ from stickslip.gap.filters.hysteresis import followed_on, left
 from stickslip.gap.filters.limiting import reach
 from stickslip.gap.filters.reading import Filtering
 from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.sizes import SEEN, SURE, shrinkage_of_losses
 from stickslip.gap.telling.structure import by_wiring
 from stickslip.gap.telling.words import LISTED, NO_PLACE
@@ -243,14 +244,14 @@ def _report(
     both = np.stack([o.plain.best.judged, after.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
-    notes = (*_notes(f), PRIOR_OF_UNKNOWN, str(sureness))
+    notes = (*_notes(f), *stated_wrongly(f.model, after.values), PRIOR_OF_UNKNOWN, str(sureness))
     return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, o.evidence)
 
 
 def _notes(f: Filtering) -> tuple[str, ...]:
     log, steps = f.record.log, np.sqrt(12.0 * f.r)
     rounded = [f"{s} rounded to {step:g}" for s, step in zip(f.signals, steps, strict=True) if step > 1e-9]
-    free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.free.items()]
+    free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.unsure.items()]
     return (
         f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart, the model scans every {f.period:g} s"
         + (f"; {', '.join(rounded)}." if rounded else "."),

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced
+from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
-WHITE, LOAD, TIME = 3.0, 4.0, 5.0  # factors within which noise, loads and their time constants are fitted
 NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 SAME = 1e-6  # of an interval: stops nearer to each other are one
@@ -98,19 +97,12 @@ class Frame:
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
         """What is fitted with every hypothesis, block.parameter -> (low, high): tolerances, noise and loads."""
-        found = {}
-        for one in self.noise:
-            by = LOAD if one.correlation_time > 0.0 else WHITE
-            found[f"{one.block}.sd"] = (one.sd / by, one.sd * by)
-            if one.correlation_time > 0.0:
-                found[f"{one.block}.correlation_time"] = (one.correlation_time / TIME, one.correlation_time * TIME)
-        return found | known_within(self.quiet)
+        return stated_about(self.model) | known_within(self.quiet)
 
     @cached_property
     def stated(self) -> dict[str, float]:
         """What the model states of all that is free, block.parameter -> value."""
-        parts = [(key, *key.rpartition(".")[::2]) for key in self.free]
-        return {key: float(self.model[block].params[name]) for key, block, name in parts}
+        return stated(self.model, self.free)
 
     @cached_property
     def scan(self) -> float:

@@ -12,6 +12,7 @@ from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.relevance import RELEVANT
 from stickslip.gap.likelihood.search import price
 from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.structure import by_wiring
 
 SURE = 1.645  # standard deviations of an interval of 90 %
@@ -19,7 +20,6 @@ OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue
 LISTED = 12  # explanations in the ranking
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
-NUISANCE = 1.5  # factor by which noise or a load is stated wrongly, from which on a note says so
 
 
 def told(o: Outcome) -> GapReport:
@@ -167,16 +167,10 @@ def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
     f = o.null.hypothesis.frame
     log, steps = f.record.log, np.sqrt(12.0 * f.r)
     rounded = [f"{s} rounded to {step:.3g}" for s, step in zip(f.signals, steps, strict=True)]
-    off = []
-    for key, stated in f.stated.items():
-        now = after.best.values[key]
-        by = now / stated if stated else 1.0
-        if by > 0.0 and max(by, 1.0 / by) > NUISANCE and key in after.hypothesis.noise_keys:
-            off.append(f"{key} is stated as {stated:g}; the log says {now:.3g}.")
     return (
         f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(rounded)}.",
         "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
-        *off,
+        *stated_wrongly(f.model, after.best.values),
         "Innovations of an extended Kalman filter whose prediction is the run of the model itself.",
         by_wiring(f.quiet, log.names),
         *log.notes,

@@ -21,6 +21,8 @@ from stickslip.logs import Log
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
 RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
+SIZES = ("sd", "correlation_time")  # parameters of a block that draws random numbers
+WHITE, LOAD, TIME = 1.9, 4.0, 5.0  # factors within which the stated noise, loads and times of loads are believed
 
 
 @dataclass(frozen=True)
@@ -86,15 +88,48 @@ def silenced(diagram: Diagram) -> Diagram:
 def known_within(diagram: Diagram) -> dict[str, tuple[float, float]]:
     """Return the parameters of a diagram that are known within a tolerance only: block.parameter -> (low, high).
 
+    Those of noise and loads are not among them (``stated_about``).
+
     >>> from stickslip.cases.models import ideal_flow
     >>> known_within(ideal_flow().with_tolerances({"process.K": 0.5}))
     {'process.K': (1.5, 4.5)}
     """
     found = {}
     for key, share in diagram.tolerances.items():
-        value = float(diagram.params[key])
-        found[key] = (value - share * abs(value), value + share * abs(value))
+        block, _, name = key.rpartition(".")
+        if not (isinstance(diagram[block], Seeded) and name in SIZES):
+            value = float(diagram.params[key])
+            found[key] = (value - share * abs(value), value + share * abs(value))
     return found
+
+
+def stated_about(diagram: Diagram) -> dict[str, tuple[float, float]]:
+    """Return what a diagram states of its noise and loads, which nobody knows exactly: block.parameter -> (low, high).
+
+    A tolerance, where the diagram has one, says how well.
+
+    >>> from stickslip.blocks import Noise
+    >>> from stickslip.diagram import wire
+    >>> load = Noise("D", sd=0.2, dt=1.0, correlation_time=60.0).with_tolerances(correlation_time=0.5)
+    >>> stated_about(wire([load], outputs=["D"]))
+    {'D.sd': (0.05, 0.8), 'D.correlation_time': (30.0, 90.0)}
+    """
+    found = {}
+    for one in nuisances(diagram):
+        coloured = one.correlation_time > 0.0
+        sizes = [("sd", one.sd, LOAD if coloured else WHITE)]
+        sizes += [("correlation_time", one.correlation_time, TIME)] if coloured else []
+        for name, value, by in sizes:
+            key = f"{one.block}.{name}"
+            share = diagram.tolerances.get(key)
+            found[key] = (value / by, value * by) if share is None else (value * (1 - share), value * (1 + share))
+    return found
+
+
+def stated(diagram: Diagram, keys: Iterable[str]) -> dict[str, float]:
+    """Return what a diagram states of parameters, block.parameter -> value."""
+    parts = [(key, *key.rpartition(".")[::2]) for key in keys]
+    return {key: float(diagram[block].params[name]) for key, block, name in parts}
 
 
 def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:

@@ -11,7 +11,7 @@ __all__ = ["carried", "carried_over", "is_held"]
 Values = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-_BLANK = 0.2  # share of blank cells from which a wide table is one of reports by exception
+_BLANK_SHARE = 0.2  # share of blank cells from which a wide table is one of reports by exception
 _RUNS = 5  # places with blank cells; fewer are stretches without data
 
 
@@ -40,7 +40,7 @@ def carried_over(t: Values, values: dict[str, Values], good: dict[str, Mask], no
         runs = int(np.count_nonzero(np.diff(blank.astype(np.int8), prepend=0) == 1))
         role = role_of(name)
         part = "" if role is None else role[1]
-        if part == "MODE" or not told.any() or np.mean(blank) < _BLANK or (runs < _RUNS and part != "SP"):
+        if part == "MODE" or not told.any() or np.mean(blank) < _BLANK_SHARE or (runs < _RUNS and part != "SP"):
             continue
         rows = np.flatnonzero(told) if mask is None else np.flatnonzero(told | ~mask)
         own = mask[rows] if mask is not None else np.ones(len(rows), dtype=bool)

@@ -17,7 +17,7 @@ _MINUS = "[\u2212\u2013\ufe63\uff0d]"  # minus, en dash, small and full-width hy
 _SIGNED = rf"^{_MINUS}(\s*[\d.,])"
 _POWER = rf"([eE]){_MINUS}(\d)"
 _MEASURED = rf"^([-+]?[\d.,'’\s\u00a0\u202f]*\d[.,]?(?:[eE][-+]?\d+)?)\s*({PLAIN_UNIT})$"
-_LOOK = 200  # rows
+_LOOK_ROWS = 200  # rows
 
 
 def with_plain_cells(table: Table) -> Table:
@@ -39,7 +39,7 @@ def with_plain_cells(table: Table) -> Table:
         if column.dtype == pl.String:
             column = _with_minus(column)
             # Where a unit stands behind every number, it does in the first rows: nearly every column ends in figures.
-            if column.head(_LOOK).str.contains(r"[%A-Za-z³]$").any():
+            if column.head(_LOOK_ROWS).str.contains(r"[%A-Za-z³]$").any():
                 tags = table.frame[long.tag].cast(pl.String) if long is not None and column.name == long.value else None
                 column, found = _without_units(column, tags, units)
                 units |= found

@@ -12,8 +12,8 @@ __all__ = ["repaired_clock_change", "repaired_in_tags"]
 
 Values = npt.NDArray[np.float64]
 
-_HOUR = 3600.0
-_USUAL = 5.0  # a step over the change, without its hour, is at most so many usual ones
+_HOUR_S = 3600.0
+_USUAL_STEPS = 5.0  # a step over the change, without its hour, is at most so many usual ones
 # Clocks are set ahead on a Sunday of these months, north and south, at these full hours of local time.
 _SUNDAY, _MONTHS, _AT = 6, (3, 4, 9, 10), (0, 1, 2, 3)
 
@@ -39,16 +39,16 @@ def repaired_clock_change(t: Values, start: datetime | None = None) -> tuple[Val
         return t, None
     usual = float(np.median(steps[steps > 0]))
     back = np.flatnonzero(steps < 0)
-    if len(back) == 1 and 0 < steps[back[0]] + _HOUR <= _USUAL * usual:
+    if len(back) == 1 and 0 < steps[back[0]] + _HOUR_S <= _USUAL_STEPS * usual:
         i = int(back[0])
-        return np.where(np.arange(len(t)) > i, t + _HOUR, t), (
+        return np.where(np.arange(len(t)) > i, t + _HOUR_S, t), (
             f"The clock steps back one hour after {t[i]:g} s (end of summer time): later times are one hour added."
         )
     if start is None or start.tzinfo is not None:
         return t, None
-    for i in np.flatnonzero((steps > _HOUR) & (steps <= _HOUR + _USUAL * usual)).tolist():
+    for i in np.flatnonzero((steps > _HOUR_S) & (steps <= _HOUR_S + _USUAL_STEPS * usual)).tolist():
         if _is_left_out(start, float(t[i]), float(t[i + 1])):
-            return np.where(t > t[i], t - _HOUR, t), (
+            return np.where(t > t[i], t - _HOUR_S, t), (
                 f"The clock steps ahead one hour after {t[i]:g} s (start of summer time): "
                 "later times are one hour less."
             )
@@ -80,7 +80,7 @@ def repaired_in_tags(
             repaired[rows], note = own, note or found
             ends.append(float(t[rows][own == t[rows]].max()))
     if ends:
-        return np.where((t > max(ends)) & (repaired == t), t + _HOUR, repaired), note
+        return np.where((t > max(ends)) & (repaired == t), t + _HOUR_S, repaired), note
     clock = np.unique(t)
     spring, note = repaired_clock_change(clock, start)
     return spring[np.searchsorted(clock, t)], note

@@ -6,8 +6,8 @@ import re
 
 __all__ = ["encoding_of"]
 
-_LOOK = 1_000_000  # bytes that are looked at
-_COMMON = 0.8  # share of letters of daily use from which a text is in that encoding
+_LOOK_BYTES = 1_000_000  # bytes that are looked at
+_COMMON_SHARE = 0.8  # share of letters of daily use from which a text is in that encoding
 # Full-width letters and the characters of daily use, which each of the two standards puts in front. A pair of
 # Western letters, such as those in "Größe", and a Western sign with the letter behind it, as in "°C", are none.
 _DAILY = {
@@ -17,15 +17,15 @@ _DAILY = {
 
 
 def encoding_of(raw: bytes) -> str:
-    """ "gb18030" (GBK, GB 2312), "cp932" (Shift-JIS) or "cp1252" (Western).
+    """Return the encoding of a text that is not Unicode: "gb18030" (GBK, GB 2312), "cp932" (Shift-JIS) or "cp1252".
 
     >>> [encoding_of(text.encode(code)) for text, code in (("流量", "gbk"), ("流量", "cp932"), ("Größe °C", "cp1252"))]
     ['gb18030', 'cp932', 'cp1252']
     """
-    head = raw[:_LOOK] if len(raw) <= _LOOK else raw[: raw.rfind(b"\n", 0, _LOOK) + 1]
+    head = raw[:_LOOK_BYTES] if len(raw) <= _LOOK_BYTES else raw[: raw.rfind(b"\n", 0, _LOOK_BYTES) + 1]
     shares = {code: _share(head, code) for code in _DAILY}
     best = max(shares, key=lambda code: shares[code])
-    return best if shares[best] >= _COMMON else "cp1252"
+    return best if shares[best] >= _COMMON_SHARE else "cp1252"
 
 
 def _share(raw: bytes, code: str) -> float:

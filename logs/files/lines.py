@@ -8,11 +8,11 @@ from collections import Counter
 
 from stickslip.logs.errors import ReadError
 
-__all__ = ["LINE_END", "LOOK", "cells_of", "numbered_lines", "width_of", "without_frame"]
+__all__ = ["LINE_END", "LOOK_LINES", "cells_of", "numbered_lines", "width_of", "without_frame"]
 
 Numbered = list[tuple[int, str]]
 
-LOOK = 200  # lines looked at to find the separator and the header
+LOOK_LINES = 200  # lines looked at to find the separator and the header
 _HEADER_LINES = 40  # lines among which a header may have cells of several lines
 _CELL_LINES = 4  # lines of a cell
 LINE_END = "\u2028"  # stands for a line end inside a cell
@@ -84,14 +84,14 @@ def without_frame(numbered: Numbered, separator: str, notes: list[str]) -> Numbe
 
 def _without_titles(numbered: Numbered, separator: str, notes: list[str]) -> Numbered:
     """Drop title lines above the header: lines of one cell, narrower by two and more, or filled up with blank cells."""
-    widths = [width_of(line, separator) for _, line in numbered[:LOOK]]
+    widths = [width_of(line, separator) for _, line in numbered[:LOOK_LINES]]
     if not widths:
         return numbered
     usual = Counter(widths).most_common(1)[0][0]
     # One cell short is a header without the separator that ends every row.
     narrow = [width < usual - 1 or (width == 1 < usual) for width in widths]
     first = narrow.index(False) if False in narrow else 0
-    first += _padded_titles([line for _, line in numbered[first:LOOK]], separator)
+    first += _padded_titles([line for _, line in numbered[first:LOOK_LINES]], separator)
     if first:
         notes.append(f"{first} line{'s' * (first > 1)} above the header passed over.")
     return numbered[first:]

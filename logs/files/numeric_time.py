@@ -65,8 +65,8 @@ _COUNTS = {
     "datenum": _Clock("MATLAB datenum, days since the year 0", 86400.0, datetime(1, 1, 1), 3),
 }
 _DATENUM_OF_YEAR_1 = 367.0  # datenum(1, 1, 1)
-_LONG = (600, 720, 900, 1200, 1800, 3600, 7200, 14400, 21600, 28800, 43200, 86400)  # usual intervals [s] of reports
-_USUAL = (0.1, 0.2, 0.25, 0.5, 1, 2, 4, 5, 10, 15, 20, 30, 60)  # usual intervals [s] of a historian or a logger
+_LONG_S = (600, 720, 900, 1200, 1800, 3600, 7200, 14400, 21600, 28800, 43200, 86400)  # usual intervals [s] of reports
+_USUAL_S = (0.1, 0.2, 0.25, 0.5, 1, 2, 4, 5, 10, 15, 20, 30, 60)  # usual intervals [s] of a historian or a logger
 
 
 def told_unit(word: str) -> str:
@@ -84,7 +84,7 @@ def told_unit(word: str) -> str:
 
 
 def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", told: str | None = None) -> Times:
-    """Seconds from the numbers of a time column.
+    """Return the numbers of a time column in seconds.
 
     Parameters: ``numbers`` (polars.Series of Int64 or Float64); ``lines`` (list of int) Line of each row, for messages;
     ``unit`` (str) Unit that the file states for the column; "" when it states none; ``told`` (str, optional) One of
@@ -169,16 +169,16 @@ def _unit_by_interval(t: npt.NDArray[np.float64], step: float) -> str:
     """The unit in which the interval is a usual one, "s" unless it makes no sense in seconds."""
     if step <= 0:
         return "s"
-    if step >= 1000 and not _near(step, _LONG, 0.02):
-        fine = next((unit for unit in ("ms", "us", "ns") if _near(step * _SECONDS[unit], _USUAL, 0.02)), None)
+    if step >= 1000 and not _near(step, _LONG_S, 0.02):
+        fine = next((unit for unit in ("ms", "us", "ns") if _near(step * _SECONDS[unit], _USUAL_S, 0.02)), None)
         return fine or "s"
     # Minutes, hours and days have fractions that no clock of seconds has; a file that rounds them tells
     # the interval by its whole length only.
     mean = abs(float(t[-1] - t[0])) / (len(t) - 1)
-    if step >= 0.5 or _near(step, (*_USUAL, 0.01, 0.02, 0.04, 0.05, 0.001, 0.002, 0.005), 1e-3):
+    if step >= 0.5 or _near(step, (*_USUAL_S, 0.01, 0.02, 0.04, 0.05, 0.001, 0.002, 0.005), 1e-3):
         return "s"
     for unit in ("min", "h", "d"):
-        usual = [seconds for seconds in _USUAL if seconds >= 1]
+        usual = [seconds for seconds in _USUAL_S if seconds >= 1]
         exact = _near(step * _SECONDS[unit], usual, 1e-4) or _near(mean * _SECONDS[unit], usual, 1e-3)
         # 1/60 is one second in minutes and one minute in hours: that is for the user to say.
         if exact and not _near(step, (1 / 60,), 0.01):

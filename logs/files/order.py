@@ -10,17 +10,17 @@ __all__ = ["about_sampling", "ordered_times"]
 
 Values = npt.NDArray[np.float64]
 
-_GAP = 5.0  # a step longer than this many usual ones is a gap
-_SHARED = 0.2  # share of rows that share a stamp, from which rounding, not a mistake, explains them
-_FEW = 0.01  # share of rows that may come after a later one, or correct the one before, or one row
+_GAP_STEPS = 5.0  # a step longer than this many usual ones is a gap
+_SHARED_SHARE = 0.2  # share of rows that share a stamp, from which rounding, not a mistake, explains them
+_FEW_SHARE = 0.01  # share of rows that may come after a later one, or correct the one before, or one row
 _FEW_FROM = 20  # rows of a table in which one such row is a slip
-_SHORTEST, _LONGEST = 0.05, 3600.0  # intervals [s] at which processes are logged, as a rule
+_SHORTEST_S, _LONGEST_S = 0.05, 3600.0  # intervals [s] at which processes are logged, as a rule
 
 
 def ordered_times(
     t: Values, lines: list[int], columns: list[Values], what: str = ""
 ) -> tuple[Values, npt.NDArray[np.intp], list[str]]:
-    """Times that increase strictly, the rows kept, and sentences on what was done.
+    """Put times in order; return times that increase strictly, the rows kept, and sentences on what was done.
 
     A few rows that come late are put in their places; stamps that a historian has rounded are evened out. Of rows with
     one time the last is kept if they have the same values, or if few have others. Raises ReadError if more rows come
@@ -36,7 +36,7 @@ def ordered_times(
     order = np.arange(len(t))
     late = t < np.maximum.accumulate(t)
     sorting: list[str] = []
-    few = max(1.0, _FEW * len(t)) if len(t) >= _FEW_FROM else 0.0
+    few = max(1.0, _FEW_SHARE * len(t)) if len(t) >= _FEW_FROM else 0.0
     if 0 < late.sum() <= few:
         order = np.argsort(t, kind="stable")
         t, lines, columns = t[order], [lines[row] for row in order], [values[order] for values in columns]
@@ -117,7 +117,7 @@ def _spread(t: Values) -> tuple[Values, list[str]]:
     steps = np.diff(t)
     n, resolution = len(t), float(steps[steps > 0].min())
     shared = int((steps == 0).sum())
-    if n < 10 or shared < min(5.0, _SHARED * n):
+    if n < 10 or shared < min(5.0, _SHARED_SHARE * n):
         return t, []
     row = np.arange(n, dtype=np.float64)
     interval = float(np.polyfit(row, t, 1)[0])
@@ -125,7 +125,7 @@ def _spread(t: Values) -> tuple[Values, list[str]]:
     if abs(share * interval / resolution - 1.0) <= 0.02:  # a whole number of rows to a stamp
         interval = resolution / share
     grid = interval * row + np.mean(t - interval * row)
-    if interval <= 0 or np.abs(t - grid).max() > (1.0 if shared >= _SHARED * n else 0.6) * resolution:
+    if interval <= 0 or np.abs(t - grid).max() > (1.0 if shared >= _SHARED_SHARE * n else 0.6) * resolution:
         return t, []
     note = (
         f"Time stamps are rounded to {resolution:.4g} s and shared by several rows: "
@@ -147,13 +147,13 @@ def about_sampling(t: Values, *, guessed: bool) -> list[str]:
         return []
     usual = float(np.median(steps))
     notes = []
-    if not _SHORTEST <= usual <= _LONGEST:
+    if not _SHORTEST_S <= usual <= _LONGEST_S:
         doubt = f"A row every {usual:.4g} s is unusual for a process (0.1 s to 10 min is the rule)"
         remedy = "the unit of the time may be another: say it with time_unit= (--time-unit)"
         notes.append(f"{doubt}: {remedy if guessed else 'look at the time in the export'}.")
     if len(steps) < 2:
         return notes
-    gaps = steps > _GAP * usual
+    gaps = steps > _GAP_STEPS * usual
     if gaps.any():
         count = int(gaps.sum())
         notes.append(f"{count} gap{'s' * (count > 1)} in time, the longest {steps.max():.6g} s.")

@@ -47,7 +47,7 @@ def numbered_pairs(header: list[str]) -> list[str]:
 
 
 def long_from_pairs(frame: pl.DataFrame, lines: list[int]) -> tuple[pl.DataFrame, list[int]]:
-    """One row a value, with columns "tag", "time" and "value", and the line each row comes from.
+    """Return a table with one value a row (columns "tag", "time", "value") and the line that each row comes from.
 
     Rows in which a signal has no time any more, because it has fewer values than others, are left out.
     """

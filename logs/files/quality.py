@@ -13,9 +13,9 @@ from stickslip.logs.files.states import is_blank, quality_is_good
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["CONFIDENT", "bad_values", "qualities", "quality_columns"]
+__all__ = ["CONFIDENT_PERCENT", "bad_values", "qualities", "quality_columns"]
 
-CONFIDENT = 50.0  # % of confidence from which a value counts as good; PHD gives 100 to good and 0 to bad
+CONFIDENT_PERCENT = 50.0  # % of confidence from which a value counts as good; PHD gives 100 to good and 0 to bad
 
 _MOST_CODES = 40  # more different ones are measurements
 
@@ -121,13 +121,13 @@ def _good_codes(codes: npt.NDArray[np.float64], name: str, *, flags: bool) -> tu
     if not np.isfinite(codes).all() or codes.min() < 0:
         return None
     if "conf" in name:
-        return (CONFIDENT if top > 1 else CONFIDENT / 100.0), np.inf
+        return (CONFIDENT_PERCENT if top > 1 else CONFIDENT_PERCENT / 100.0), np.inf
     if (codes != np.floor(codes)).any() or len(np.unique(codes)) > _MOST_CODES:
         return None
     if top >= 2**30 or (name.endswith("statuscode") and top == 0):
         return 0.0, 2.0**30
     if top == 100:
-        return CONFIDENT, np.inf
+        return CONFIDENT_PERCENT, np.inf
     if 64 <= top < 256 and not ((codes > 31) & (codes < 64)).any():
         return 128.0, np.inf
     if top == 1 and np.isin(codes, (0, 1)).all():
@@ -143,5 +143,5 @@ def bad_values(name: str, column: str, good: npt.NDArray[np.bool_], values: npt.
     bad = int((~good & ~np.isnan(values)).sum())
     if not bad:
         return []
-    limit = f" (below {CONFIDENT:g} %)" if "conf" in plain(column) else ""
+    limit = f" (below {CONFIDENT_PERCENT:g} %)" if "conf" in plain(column) else ""
     return [f"{name}: {bad} value{'s' * (bad > 1)} of bad quality by {column!r}{limit}."]

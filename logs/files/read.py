@@ -35,7 +35,7 @@ __all__ = ["ReadError", "read_log", "read_loop", "read_loops"]
 # A path, or a frame of any library: frames are known by what they can do, so no type names them all.
 Source: TypeAlias = Any
 
-_TOP = 200_000  # characters in which a comment is looked for
+_TOP_CHARACTERS = 200_000  # characters in which a comment is looked for
 
 
 def read_log(
@@ -205,7 +205,7 @@ def _comments(text: str) -> list[str]:
     end = 0
     while text.startswith("#", end) and end < len(text):
         end = text.find("\n", end) + 1 or len(text)
-    return [line[1:].strip() for line in text[: max(end, _TOP)].split("\n") if line.startswith("#")]
+    return [line[1:].strip() for line in text[: max(end, _TOP_CHARACTERS)].split("\n") if line.startswith("#")]
 
 
 def _parquet(raw: bytes) -> tuple[Table, Heading | None]:

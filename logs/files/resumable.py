@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Kept", "RowsFolder", "differences", "joined", "opened", "parquet", "write"]
 
 PARTS, LOCK = "parts", ".lock"
-LONGEST_VALUE = 60  # characters of a value in a message
+LONGEST_VALUE_CHARACTERS = 60  # characters of a value in a message
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,9 @@ def _short(value: object) -> str:
     if value is None:
         return "not given"
     text = json.dumps(value) if not isinstance(value, str) else value
-    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]} ... {text[-15:]}"
+    return (
+        text if len(text) <= LONGEST_VALUE_CHARACTERS else f"{text[: LONGEST_VALUE_CHARACTERS - 20]} ... {text[-15:]}"
+    )
 
 
 def joined(tables: Sequence[pl.DataFrame], key: str) -> pl.DataFrame:

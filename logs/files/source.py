@@ -52,7 +52,7 @@ def file_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def decoded(raw: bytes) -> str:
-    """The text in ``raw``: UTF-8, UTF-16 with its mark, else GBK, Shift-JIS or Windows-1252; line ends become "\\n".
+    """Return ``raw`` as text: UTF-8, UTF-16 with its mark, else GBK, Shift-JIS or Windows-1252; line ends become "\\n".
 
     Raises ReadError for workbooks, archives, pictures, web pages and other files that are not tables of text.
 

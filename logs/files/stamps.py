@@ -37,7 +37,7 @@ _MONTH_WORDS = (
 )  # fmt: skip
 _AT_ONCE = 100_000  # stamps that are cut into parts at once: these take 400 bytes each
 _MONTHS = {name: i for i, names in enumerate(_MONTH_WORDS, start=1) for name in names.split()}
-_HOUR = 3600.0
+_HOUR_S = 3600.0
 
 
 def parse_times(
@@ -154,7 +154,7 @@ def _with_format(text: pl.Series, lines: list[int], time_format: str) -> Times:
 
 def _time_of_day(text: pl.Series) -> Times:
     parts = text.str.replace(",", ".", literal=True).str.split(":").to_list()
-    t = np.array([sum(float(part) * _HOUR / 60.0**i for i, part in enumerate(row)) for row in parts])
+    t = np.array([sum(float(part) * _HOUR_S / 60.0**i for i, part in enumerate(row)) for row in parts])
     wraps = np.diff(t) < -43200.0
     short = text[0].count(":") == 1
     notes = [f"Time is a time of day without a date{', read as hours:minutes' * short}."]

@@ -42,7 +42,7 @@ def is_blank(text: str) -> bool:
 
 
 def is_state(text: str) -> bool:
-    """Whether ``text`` is a known digital state: the historian says why there is no number.
+    """Whether ``text`` is a digital state that we know, by which a historian says why there is no number.
 
     >>> is_state("I/O Timeout"), is_state("[-11059] No Good Data For Calculation"), is_state("twelve")
     (True, True, False)

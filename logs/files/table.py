@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.logs.errors import ReadError
 from stickslip.logs.files.headers import told_apart, with_tag_row, without_twins
-from stickslip.logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
+from stickslip.logs.files.lines import LOOK_LINES, cells_of, numbered_lines, width_of, without_frame
 from stickslip.logs.files.pairs import is_paired, long_from_pairs, numbered_pairs, with_times_named
 from stickslip.logs.files.size import check_columns
 from stickslip.logs.files.states import is_blank, is_state
@@ -77,7 +77,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     numbered, comments, hint = numbered_lines(text)
     separator = separator or hint
     notes: list[str] = []
-    chosen = separator or _find_separator([line for _, line in numbered[:LOOK]] or [""])
+    chosen = separator or _find_separator([line for _, line in numbered[:LOOK_LINES]] or [""])
     if chosen == " ":
         numbered = [(number, "\t".join(line.split())) for number, line in numbered]
         chosen = "\t"

@@ -22,11 +22,14 @@ __all__ = ["find_times", "oldest_first"]
 
 _STAMP = re.compile(r"\d{1,4}[-/.](\d{1,2}|[^\W\d_]{3,9})[-/.]\d{1,4}|\d{1,2}:\d{2}")
 
-_FEW = 0.02  # share of rows without a time that a record can do without
+_FEW_SHARE = 0.02  # share of rows without a time that a record can do without
 
 
 def find_times(table: Table, form: Form, decimal: str) -> tuple[Table, Times, set[str], dict[str, str], list[str]]:
-    """Rows with a time, their times, the columns these are read from, other times with why not, and notes.
+    """Find the columns of the time in a table, and read them.
+
+    Returned are the rows that have a time, their times, and the columns used.  Other columns of times follow, each with
+    the reason why it is not used, and notes.
 
     ``decimal`` is the decimal mark, told or found. A few rows without a time are left out: the record has a gap there,
     as for any missing row.
@@ -89,7 +92,7 @@ def _with_time(table: Table, column: pl.Series) -> tuple[Table, pl.Series, list[
     if column.dtype == pl.String:
         blank = blank | (column.alias("").str.strip_chars() == "").fill_null(True)
     count = int(blank.sum())
-    if not 0 < count <= _FEW * len(column):
+    if not 0 < count <= _FEW_SHARE * len(column):
         return table, column, []
     kept = [line for line, gone in zip(table.lines, blank, strict=True) if not gone]
     which = f"{count} rows have" if count > 1 else "1 row has"

@@ -122,8 +122,7 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
 HEAD = """# The blocks
 
 One line a block; ``stickslip blocks NAME`` shows its page: equation, parameters with units, limits, an example.
-Ports without a unit take any. Source ``textbook``: no single source. This page is written by
-``stickslip blocks --markdown > docs/blocks.md``.
+Ports without a unit take any. Source ``textbook``: no single source. ``stickslip blocks --markdown`` prints this page.
 """
 
 
@@ -201,7 +200,7 @@ def command(name: str | None, as_markdown: bool, json_file: str | None) -> None:
     Examples:
       stickslip blocks
       stickslip blocks GasTurbine
-      stickslip blocks --markdown > docs/blocks.md
+      stickslip blocks --markdown > blocks.md
 
     \b
     Exit codes: 0 done, 2 there is no such block.

@@ -40,6 +40,11 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
     help="Show beside the verdict what 2,000 loops simulated like this record say, about 6 s; by default where the "
     "model is unsure. The verdict stays.",
 )  # fmt: skip
+@click.option(
+    "--remedy",
+    is_flag=True,
+    help="Of a valve that sticks, say what to do until the shutdown: fit the loop and try each remedy, some 20 s.",
+)
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
@@ -58,6 +63,7 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
       stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
       stickslip check FIC101.csv --json - | jq .verdict
       stickslip check FIC101.csv --simulate
+      stickslip check FIC101.csv --remedy
       zcat FIC101.csv.gz | stickslip check -
       stickslip check FIC101.csv --method my_detector.py:detect
 
@@ -73,7 +79,7 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
 
 def _check(
     files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool | None, measurement: str | None,
-    span: tuple[float, float] | None, own: tuple[str, ...], **told: Any,
+    span: tuple[float, float] | None, own: tuple[str, ...], remedy: bool, **told: Any,
 ) -> None:  # fmt: skip
     methods = _methods(own)
     for file in files:
@@ -85,7 +91,7 @@ def _check(
 
     many = several(files, told)
     if len(many) > 1 or len(many[0].records) > 1:
-        for option, given in (("simulate", simulate), ("span", span is not None), ("method", own)):
+        for option, given in (("simulate", simulate), ("span", span is not None), ("method", own), ("remedy", remedy)):
             if given:
                 raise ValueError(f"--{option} is of one loop; name it with --loop")
         raise SystemExit(check_many(many, html, json_file, measurement))
@@ -101,6 +107,8 @@ def _check(
     found = _simulated(diagnosis) if asked else ""
     _tell(say, diagnosis)
     beside = _beside(say, diagnosis, found) if asked else {}
+    if remedy and diagnosis.verdict == "stiction":
+        beside |= _remedy(say, diagnosis)
     if html is not None:
         from stickslip.commands.loop_page import loop_page
 
@@ -157,6 +165,25 @@ def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> di
     )
     told = found.to_dict() | {"together": both}
     return {"simulation": told}
+
+
+def _remedy(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
+    """Print what the fitted loop says to do in place of a general rule, and return what JSON holds of it."""
+    from stickslip.commands.fit import working
+    from stickslip.remedy import FitError, fit, remedies
+
+    say()
+    try:
+        advice = remedies(fit(diagnosis.record, progress=working), progress=working)
+    except FitError as reason:
+        say.paragraph(f"What to do until the shutdown is not known: {reason}.")
+        return {"remedy": None}
+    for sentence in advice.words():
+        say.paragraph(sentence)
+    if advice.fit.sticks:
+        say.paragraph(advice.cost.words(advice.fit.op_unit))
+    keys = ("until_shutdown", "at_shutdown", "cost", "words")
+    return {"remedy": {key: value for key, value in advice.to_dict().items() if key in keys}}
 
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:

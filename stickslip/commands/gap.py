@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -20,7 +20,14 @@ SHOWN = 6  # effects that are listed
 
 @click.command("gap")
 @click.argument("run", type=click.Path(path_type=Path))
-@click.option("--model", required=True, metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
+@click.option("--model", metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
+@click.option(
+    "--fit",
+    "earlier",
+    type=click.Path(path_type=Path),
+    metavar="EARLIER",
+    help="In place of a model: an earlier record of the same loop, to say what has changed since.",
+)
 @click.option(
     "--signal",
     "signals",
@@ -42,7 +49,8 @@ SHOWN = 6  # effects that are listed
 @user_errors
 def command(
     run: Path,
-    model: str,
+    model: str | None,
+    earlier: Path | None,
     signals: tuple[str, ...],
     html: Path | None,
     seed: int,
@@ -61,9 +69,14 @@ def command(
     --calibrate puts every effect into MODEL at the set points, rows, rounding and signals of RUN, diagnoses these runs,
     prints what came out, and keeps it: probabilities are stated by it from then on.
 
+    Without --model, RUN is the log of one loop (OP, PV, SP): the loop is fitted to it, and the answer is whether it
+    lacks a stick. With --fit EARLIER, loops are fitted to both records, and what has changed is named.
+
     \b
     Examples:
       stickslip gap run.csv --model ideal_flow
+      stickslip gap november.csv --fit march.csv
+      stickslip gap FIC101.csv
       stickslip gap run.csv --model my_loop.py:loop --json gap.json --html gap.html
       stickslip gap export.csv --model ideal_flow --signal PV=FT101 --signal OP=0.01*FC101.OP --signal SP=FC101.SP
       stickslip gap run.csv --model my_loop.py:loop --calibrate --minutes 10
@@ -75,6 +88,10 @@ def command(
       2  RUN or MODEL cannot be read, or they have no signal in common
     """
     check_targets({"--html": html, "--json": json_file}, source=run)
+    if model is None:
+        without_model(run, earlier, signals, html is not None or calibrate, json_file, form)
+    if earlier is not None:
+        raise ValueError("--fit is given beside --model; a record is held against one of them: leave out the other")
     from stickslip.commands.own import diagram_named
     from stickslip.gap import calibrated, diagnose
     from stickslip.logs import read_log
@@ -88,7 +105,7 @@ def command(
             say(line)
     report = diagnose(diagram, log, seed=seed)
     say("GAP" if report.gap else "NO GAP", fg="red" if report.gap else "green", bold=True)
-    for sentence in report.words:
+    for sentence in (*report.words, *report.hints):
         say.paragraph(sentence)
     shape = _shape(report, log)
     if not isinstance(shape, str):
@@ -108,6 +125,35 @@ def command(
     raise SystemExit(1 if report.gap else 0)
 
 
+def without_model(
+    run: Path, earlier: Path | None, signals: tuple[str, ...], more: bool, json_file: str | None, form: dict[str, Any]
+) -> NoReturn:
+    """Say what a loop fitted to RUN lacks, or what has changed since EARLIER, and leave."""
+    from stickslip.commands.fit import fitted
+    from stickslip.remedy import changes, lacks
+
+    if more or signals:
+        raise ValueError("--html, --calibrate and --signal need a --model; give one, or leave them out")
+    found = fitted([run], form)
+    answer = lacks(found) if earlier is None else changes(fitted([earlier], form), found)
+    say = Speaker(json_file)
+    say("GAP" if answer.gap else "NO GAP", fg="red" if answer.gap else "green", bold=True)
+    for sentence in answer.words:
+        say.paragraph(sentence)
+    say.table(
+        ["effect", "place", "probability", "earlier", "later"],
+        [
+            [one.effect, one.place, f"{one.probability:.3f}", str(one.earlier), str(one.later)]
+            for one in answer.compared
+        ],
+    )
+    say("Read and assumed:")
+    for sentence in answer.notes:
+        say.paragraph(sentence, "  - ")
+    say.document({"schema": SCHEMA, **answer.to_dict()})
+    raise SystemExit(1 if answer.gap else 0)
+
+
 def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
     """Return the latent input of a gap, or why there is none to show."""
     from stickslip.gap import GapError, latent_input
@@ -122,7 +168,7 @@ def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str
     from stickslip.commands.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
-    first, *more = report.words
+    first, *more = (*report.words, *report.hints)
     answer = Section("The answer", badge, kind, first)
     answer.figures += _first_pictures(report, log)
     reasons = Section("Why", "", "open", "", notes=list(report.notes), notes_label="Read and assumed")

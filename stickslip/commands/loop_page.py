@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from stickslip.detect import Diagnosis
     from stickslip.detect.evidence import Correlation, OverTime, Spectrum, StemTrend
     from stickslip.detect.judge.answer import Amount
-    from stickslip.detect.prepare.harris import Harris
     from stickslip.detect.prepare.prepared import Prepared
+    from stickslip.detect.signals.harris import Harris
 
 SEVERAL = 3  # of the causes that are named
 HOUR = 3600.0  # s

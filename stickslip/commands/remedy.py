@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stickslip.remedy import Advice
 
 SCHEMA = "stickslip.remedy/1"
-TRIAL = "This advice is new and was tested on few plants: watch the loop for some hours before you keep a setting."
+TRIAL = "This advice is new and was tested in simulation only: watch the loop for some hours before you keep a setting."
 
 
 @click.command("remedy")
@@ -72,8 +72,7 @@ def tell(say: Speaker, advice: "Advice") -> None:
     for sentence in (*advice.words(), *sentences(found)):
         say.paragraph(sentence)
     if found.sticks:
-        ratio, _ = advice.cost
-        say.paragraph(f"What the stick costs: SP - PV swings {ratio} times as far as without it, under the same load.")
+        say.paragraph(advice.cost.words(found.op_unit))
     if advice.until_shutdown or advice.at_shutdown:
         say.paragraph(TRIAL)
     say.table(advice.columns(), advice.rows())

@@ -33,6 +33,12 @@ SHOWN = 20  # rows on the terminal
     metavar="N",
     help="For each of the first N, simulate loops under its own conditions.",
 )
+@click.option(
+    "--cost",
+    type=click.IntRange(1, 500),
+    metavar="N",
+    help="Fit each of the first N loops with stiction, and rank them by what the stick costs; some 15 s a loop.",
+)
 @click.option("--fresh", is_flag=True, help="Throw away what another scan left in the folder.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write the ranked list as one page.")
 @click.option(
@@ -43,7 +49,7 @@ SHOWN = 20  # rows on the terminal
 @user_errors
 def command(
     source: str, out: Path, html: Path | None, csv_file: Path | None, json_file: str | None, reports: int | None,
-    simulate: int | None, **told: Any,
+    simulate: int | None, cost: int | None, **told: Any,
 ) -> None:  # fmt: skip
     """Judge every loop of SOURCE and rank the valves to look at first.
 
@@ -54,6 +60,7 @@ def command(
     \b
     Examples:
       stickslip scan exports/
+      stickslip scan exports/ --cost 10
       stickslip scan historian.parquet --out monday --html monday.html --reports 20
       stickslip scan "duckdb:SELECT * FROM 'trends/*.parquet'" --map loops.csv --csv ranked.csv
 
@@ -86,6 +93,13 @@ def command(
         beside["simulations"] = simulated(result, source, out, simulate, told.get("loop_map"), told.get("workers"))
         for one in beside["simulations"]:
             say.paragraph(f"{one['rank']} {one['loop']}: {' '.join(one['sentences'])}", "  - ")
+    if cost is not None:
+        from stickslip.commands.scan_cost import costs
+
+        beside["costs"] = costs(result, source, out, cost, told.get("loop_map"))
+        say("What the stick costs, the dearest first:")
+        for one in beside["costs"]:
+            say.paragraph(f"{one['loop']}: {one['sentence']}", "  - ")
     say(f"all loops: {out / 'scan.parquet'}")
     if csv_file is not None:
         result.to_csv(csv_file)

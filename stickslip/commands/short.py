@@ -12,10 +12,10 @@ def too_short(loops: "Sequence[tuple[str, int, Sequence[Verdict]]]") -> str:
 
     ``loops``: name, rows and the methods' verdicts of each.
     """
-    from stickslip.detect.judge.answer import SAMPLES
+    from stickslip.detect.judge.answer import SAMPLES_MIN
 
-    most = max((rows for _, rows, _ in loops), default=SAMPLES)
-    if most >= SAMPLES or any(verdict.applicable for *_, verdicts in loops for verdict in verdicts):
+    most = max((rows for _, rows, _ in loops), default=SAMPLES_MIN)
+    if most >= SAMPLES_MIN or any(verdict.applicable for *_, verdicts in loops for verdict in verdicts):
         return ""
     names = ", ".join(name for name, *_ in loops)
-    return f"{names}: {most} rows, of which no method can say anything; give {SAMPLES} rows or more"
+    return f"{names}: {most} rows, of which no method can say anything; give {SAMPLES_MIN} rows or more"

@@ -78,6 +78,34 @@ def test_the_drawing_of_the_rooms_is_that_of_the_imports() -> None:
     assert f"```\n{drawn(used_rooms())}\n```" in CONTRIBUTING, f"put this into it:\n{drawn(used_rooms())}"
 
 
+def rooms_inside(room: str) -> dict[str, set[str]]:
+    """Return the rooms inside a room, with those that the files of each import, pictures and what starts it apart.
+
+    A file of the room itself stands alone where a room inside imports it; the others are the front, named as the room.
+    """
+    places = {
+        module_of(path): path.parent.relative_to(ROOT / room).as_posix()
+        for _, path in FILES
+        if path.is_relative_to(ROOT / room) and path.name != "__init__.py" and "figures" not in path.parts
+    }
+    used = {name: imported(path) & set(places) for _, path in FILES if (name := module_of(path)) in places}
+    lone = {other for name, others in used.items() if places[name] != "." for other in others if places[other] == "."}
+    node = {name: name.rpartition(".")[2] + ".py" if name in lone else place for name, place in places.items()}
+    node = {name: room if place == "." else place for name, place in node.items()}
+    drawing: dict[str, set[str]] = {}
+    for name, others in used.items():
+        drawing.setdefault(node[name], set()).update({node[other] for other in others} - {node[name]})
+    return drawing
+
+
+def test_the_rooms_of_detection_use_each_other_one_way_as_they_are_drawn() -> None:
+    inside = rooms_inside("detect")
+    assert {"signals", "stem", "health", "oscillation", "half_waves", "prepare", "methods", "judge"} <= set(inside)
+    assert f"```\n{drawn(inside)}\n```" in CONTRIBUTING, f"put this into it:\n{drawn(inside)}"
+    with pytest.raises(CycleError):
+        drawn({**inside, "signals": inside["signals"] | {"prepare"}})
+
+
 def test_no_room_has_a_permission_that_it_does_not_use() -> None:
     used = used_rooms()
     assert {room: allowed - used[room] for room, allowed in ROOMS.items() if allowed - used[room]} == {}

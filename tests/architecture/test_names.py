@@ -33,6 +33,25 @@ def test_the_rule_of_names_can_fail() -> None:
     assert words_of("class _Crew:\n    def cast(self, members): self.books = 1") >= {"crew", "cast", "members", "books"}
 
 
+UNITS = {"s": "_S", "nats": "_NATS", "%": "_PERCENT", "share": "_SHARE"}  # first word of a comment, and what it asks
+CONSTANT = re.compile(r"^_?([A-Z][A-Z0-9_]*)(?:: [^=]+)? = [-\d._]+  # (s|nats|%|share)(?![\w'-])", re.M)
+
+
+def without_unit(source: str) -> list[str]:
+    """Return the numbers of a file whose comment begins with a unit that their name does not end with.
+
+    >>> without_unit("LONGEST = 3.0  # s\\nLEAST_NATS = 10.0  # nats to accuse\\nPART = 0.5  # share of the record\\n")
+    ['LONGEST', 'PART']
+    """
+    return [name for name, unit in CONSTANT.findall(source) if not name.endswith(UNITS[unit])]
+
+
+def test_numbers_are_named_with_their_unit() -> None:
+    rooms = ("detect/", "logs/", "scan/")
+    found = offenders(lambda path: without_unit(path.read_text()))
+    assert {name: constants for name, constants in found.items() if name.startswith(rooms)} == {}
+
+
 def test_files_are_short() -> None:
     lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
     assert lengths[-1] < 400 and lengths[len(lengths) * 9 // 10] < 300

@@ -13,10 +13,12 @@ from stickslip.gap.effects import CATALOGUE
 
 from benchmarks.foreign import instruments
 from benchmarks.foreign import record as records
-from benchmarks.foreign.historian import late, swinging_door
+from benchmarks.foreign.historian import filtered, late, swinging_door
 from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve
-from benchmarks.foreign.record import NAMES, plant, record
+from benchmarks.foreign.record import NAMES, UNSEEN, plant, record
+from benchmarks.foreign.trial import Run
 
+ALL = (*NAMES, *UNSEEN)
 FOLDER = Path(records.__file__).parent
 TOLD_BY_THE_HOUSE = ("answer", "command", "scoring", "trial")  # they ask and score; no plant knows of them
 
@@ -49,6 +51,24 @@ def _sagging(flow: float, full: float, empty: float) -> float:
     return flow / (full * np.sqrt(1.0 - (flow / empty) ** 2))
 
 
+def _header(bar: float) -> float:
+    condenses = 0.03 * (100.0 * bar**0.25 - 60.0)  # the wall is a third of the way from steam to water
+    return condenses / (5.0 * np.sqrt(1.0 - max(bar / 6.0 - 1.0, 0.0) ** 2))
+
+
+def _dryer(moisture: float) -> float:
+    return (40.0 + 50.0 * ((40.0 / moisture) ** (1.0 / 3.0) - 1.0) - 25.0) / 130.0
+
+
+def _pack(bar: float) -> float:
+    return (20.0 / np.sqrt(3600.0 - bar**2 - 400.0)) ** 0.5  # 12 kg/s are 0.6 x 20
+
+
+def _quench(celsius: float) -> float:
+    gone = min((celsius - 60.0) / 200.0, 1.0)
+    return 1.0 - (400.0 - celsius) / (450.0 * (1.0 - (1.0 - gone) ** 1.5))
+
+
 # analytic: OP at rest by the data sheet, from (SP, OP) tags; shares of full OP
 REST = {
     "heat_exchanger": ("SP", "OP", 0.01, lambda y: (y - 20.0) / 80.0),
@@ -64,6 +84,10 @@ REST = {
     "batch_ramp": ("SP", "OP", 1.0, lambda y: (y - 20.0) / 6000.0 * 900.0 / (140.0 - y)),
     "exotherm": ("SP", "OP", 0.01, _exotherm),
     "drum_level": ("SP", "OP", 1.0, lambda y: 0.5 + 0.0 * y),
+    "steam_header": ("SP", "OP", 0.01, _header),
+    "belt_dryer": ("SP", "OP", 1.0, _dryer),
+    "pipeline_pack": ("SP", "OP", 1.0, _pack),
+    "quench": ("SP", "OP", 0.01, _quench),
 }
 
 
@@ -74,10 +98,16 @@ def quiet(name: str, **changed: object) -> dict[str, np.ndarray]:
     return records.signals_of(of, {}, seed=1, chance=1, noise_factor=0.0, load_factor=0.0)
 
 
+def _longer(name: str) -> dict[str, object]:
+    """Return hours and set points of a plant three times as long: where the rest comes late."""
+    of = plant(name)
+    return {"hours": 3.0 * of.hours, "set_points": tuple(one._replace(dwell=3.0 * one.dwell) for one in of.set_points)}
+
+
 @pytest.mark.parametrize("name", REST)
 def test_at_rest_op_is_what_the_balance_asks(name):
     sp, op, unit, needs = REST[name]
-    log = quiet(name)
+    log = quiet(name, **_longer(name)) if name == "belt_dryer" else quiet(name)
     moves = np.flatnonzero(np.diff(log[sp]) != 0.0)
     rests = moves[np.insert(np.diff(moves) > 5, 0, True)]  # the last rows before a move; a ramp moves at every row
     if name == "batch_ramp":
@@ -98,7 +128,7 @@ def test_two_by_two_rests_where_both_gains_meet():
     assert log["OP2"][before] / 100.0 == pytest.approx(0.5 + u[1], abs=0.02)
 
 
-@pytest.mark.parametrize("name", ["pump_flow", "neutralisation", "recycle", "exotherm"])
+@pytest.mark.parametrize("name", ["pump_flow", "neutralisation", "recycle", "exotherm", *UNSEEN])
 def test_half_the_step_gives_the_same_record(name):
     whole, half = quiet(name), quiet(name, dt=plant(name).dt / 2.0)
     sd = plant(name).parameters.sensor.sd
@@ -120,7 +150,7 @@ def test_no_plant_imports_the_house():
                 assert outside or name.startswith("benchmarks.foreign"), f"{file.name} imports {name}"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ALL)
 def test_a_data_sheet_says_what_the_plant_does(name):
     of, sheet = plant(name), importlib.import_module(f"benchmarks.foreign.{name}").__doc__
     assert float(re.search(r"a row\s+every ([\d.]+)\s+s", sheet)[1]) == of.row
@@ -138,20 +168,40 @@ def test_a_data_sheet_says_what_the_plant_does(name):
 
 def test_effects_have_names_of_the_catalogue_and_the_others_have_not():
     known = {one.name for one in CATALOGUE}
-    for name in NAMES:
+    for name in ALL:
         of = plant(name)
         assert set(of.effects) <= known and not set(of.outside) & known
         assert len(of.effects) >= 6 and len(of.outside) >= 2
 
 
 def test_neutral_effects_leave_every_parameter_as_it_is():
-    for name in NAMES:
+    for name in ALL:
         of = plant(name)
         for effect, what in of.effects.items():
             if what.log or effect in ("valve_rate_limit", "valve_saturation", "controller_limits", "scan_time"):
                 continue  # their neutral value is no number of theirs
             assert of.with_settings({k: v for k, v in what.of(0.0).items() if not k.endswith((".period", ".at"))}) == (
                 of.parameters), (name, effect)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNSEEN)
+def test_an_effect_of_no_size_leaves_the_record_as_it_is_and_a_seed_repeats_it(name):
+    of, without = plant(name), record(name, seed=4).signals
+    limits = ("valve_rate_limit", "valve_saturation", "controller_limits", "scan_time")  # no number is neutral
+    for effect in ("none", *of.effects, *of.outside):
+        if effect not in limits:
+            signals = record(name, effect, 0.0, seed=4).signals
+            assert all(np.array_equal(signals[tag], without[tag]) for tag in without), effect
+    assert not np.array_equal(record(name, seed=5).signals["PV"], without["PV"])
+
+
+@pytest.mark.parametrize("name", UNSEEN)
+def test_every_effect_of_an_unseen_plant_shows(name):
+    of = plant(name)
+    assert 8 <= len(of.effects) <= 11 and len(of.outside) == 3 and {"stiction", "deadband"} <= set(of.effects)
+    for effect in (*of.effects, *of.outside):
+        run = Run(name, "effect", effect, 6, 0.7, 1.0, 1.0)  # the smallest that is drawn
+        assert run.change(run.made()) > 0.3, effect
 
 
 def test_the_same_seed_has_the_same_set_points_and_an_effect_shows():
@@ -208,6 +258,8 @@ def test_the_historian_stays_within_its_deviation():
     assert np.abs(kept - y).max() <= 0.7 + 1e-9  # analytic: the door's promise
     assert np.abs(np.diff(kept, 2)).astype(bool).mean() < 0.95
     assert late(t, y, 3.0)[10] == y[7]
+    assert filtered(t, (t > 0.0) * 1.0, 5.0)[5] == pytest.approx(1.0 - np.exp(-1.0))  # analytic: its time constant
+    assert (filtered(t, y, 0.0) == y).all()
 
 
 def test_a_load_has_the_stated_size_and_memory():

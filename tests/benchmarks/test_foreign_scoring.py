@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.foreign import command, trial
 from benchmarks.foreign.answer import Answer, Cause
-from benchmarks.foreign.record import NAMES, plant
+from benchmarks.foreign.record import NAMES, UNSEEN, plant
 from benchmarks.foreign.scoring import NOTES, figures, scored
 from benchmarks.foreign.trial import Run, Wired, diagnosed, runs
 from benchmarks.resumed import resumed
@@ -75,7 +75,7 @@ def test_enough_records_of_every_kind():
     all_ = runs()
     count = {group: sum(run.group == group for run in all_) for group in ("effect", "none", "outside")}
     assert count["effect"] >= 300 and count["none"] >= 150 and count["outside"] >= 100
-    assert len({run.key for run in all_}) == len(all_) and {run.plant for run in all_} == set(NAMES)
+    assert len({run.key for run in all_}) == len(all_) and {run.plant for run in all_} == {*NAMES, *UNSEEN}
     stated = [run.noise_factor == 1.0 and run.load_factor == 1.0 for run in all_]
     assert 0.45 < sum(stated) / len(all_) < 0.56
     assert all(0.5 <= run.noise_factor <= 2.0 and 0.5 <= run.load_factor <= 2.0 for run in all_)
@@ -102,15 +102,34 @@ def test_rows_hold_the_answer_a_crash_and_nothing_is_asked_twice(tmp_path, monke
     assert [one.name for one in tmp_path.iterdir()] == ["foreign.jsonl"]
 
 
+def _none_found(run: Run) -> dict[str, object]:
+    made = {**vars(run), "key": run.key, "change": 1.0, "cpu": 1.0, "crash": ""}
+    return made | scored(run.group, run.effect, "valve", Answer(False), None)
+
+
+def test_the_unseen_plants_are_asked_with_the_others_or_alone_and_counted_apart(tmp_path, monkeypatch, capsys):
+    for room in (trial, command):
+        monkeypatch.setattr(room, "wired", lambda name: (lambda: None) if name in ("cone", "quench") else None)
+    monkeypatch.setattr(command, "diagnosed", _none_found)
+
+    def counted(only: str, place: str) -> float:
+        told = Namespace(only=only, quick=True, part=(0, 0), folder=tmp_path / place, minutes=1.0, csv=None,
+                         json=str(tmp_path / f"{place}.json"))  # fmt: skip
+        assert command.foreign(told)
+        return json.loads((tmp_path / f"{place}.json").read_text())["plants"]
+
+    assert counted("foreign", "both") == 1
+    both = capsys.readouterr().out
+    assert "2 of 2 records" in both and "of the unseen plants:" in both and "belt_dryer, pipeline_pack" in both
+    assert counted("foreign/unseen", "unseen") == 1
+    alone = capsys.readouterr().out
+    assert "1 of 1 records" in alone and "quench" in alone and "cone " not in alone
+
+
 def test_the_command_prints_what_it_counted(tmp_path, monkeypatch, capsys):
     for room in (trial, command):
         monkeypatch.setattr(room, "wired", lambda name: (lambda: None) if name == "cone" else None)
-
-    def none_found(run: Run) -> dict[str, object]:
-        made = {**vars(run), "key": run.key, "change": 1.0, "cpu": 1.0, "crash": ""}
-        return made | scored(run.group, run.effect, "valve", Answer(False), None)
-
-    monkeypatch.setattr(command, "diagnosed", none_found)
+    monkeypatch.setattr(command, "diagnosed", _none_found)
     told = Namespace(only="foreign", quick=True, part=(0, 0), folder=tmp_path, minutes=1.0, csv=tmp_path / "rows.csv",
                      json=str(tmp_path / "out.json"))  # fmt: skip
     assert command.foreign(told)

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 from stickslip.detect import stream
+from stickslip.detect.half_waves.lateness import Lateness, Side
 from stickslip.detect.methods import area_ratio
 from stickslip.detect.methods.area_ratio import Params, closed_form, detect
-from stickslip.detect.prepare.lateness import Lateness, Side
 from stickslip.logs import LoopRecord
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from stickslip.blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip
 from stickslip.detect.blocks import PrefilterBlock
-from stickslip.detect.prepare import prefilter
+from stickslip.detect.signals import prefilter
 from stickslip.diagram import simulate, wire
 
 WINDOW, SD = 128, 0.002

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.detect.half_waves.half_wave_fits import gather
+from stickslip.detect.half_waves.waves import HalfWave
 from stickslip.detect.methods import curve_fit
 from stickslip.detect.methods.curve_fit import Params, detect, errors
-from stickslip.detect.prepare.half_wave_fits import gather
-from stickslip.detect.prepare.prepared import HalfWave
 from stickslip.logs import LoopRecord
 
 from .conftest import own_turns

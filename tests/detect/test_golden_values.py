@@ -9,13 +9,15 @@ import itertools
 
 import numpy as np
 import pytest
+from stickslip.detect.half_waves.cycles import Params
+from stickslip.detect.half_waves.half_cycles import in_pieces
+from stickslip.detect.half_waves.half_wave_fits import gather
+from stickslip.detect.half_waves.lateness import lateness
+from stickslip.detect.half_waves.waves import HalfWave
 from stickslip.detect.methods import curve_fit, relay_fit
 from stickslip.detect.methods.hagglund2011 import measure_all
-from stickslip.detect.prepare.cycles import Params
-from stickslip.detect.prepare.half_cycles import crossings, in_pieces
-from stickslip.detect.prepare.half_wave_fits import gather
-from stickslip.detect.prepare.lateness import lateness
-from stickslip.detect.prepare.prepared import HalfWave, Prepared
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.signals.crossings import crossings
 from stickslip.logs import LoopRecord
 
 PERIOD, N = 50.0, 4096

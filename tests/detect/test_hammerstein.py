@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from stickslip.detect.methods import hammerstein
 from stickslip.detect.methods.hammerstein import Params, detect, search
-from stickslip.detect.prepare.linear_models import Linear
-from stickslip.detect.prepare.valve_models import kano
+from stickslip.detect.stem.linear_models import Linear
+from stickslip.detect.stem.valve_models import kano
 from stickslip.logs import LoopRecord
 
 LAG = 1 - np.exp(-1 / 8)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 from stickslip.detect.methods.parallelogram import detect, sizes_of, width
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import lfilter
 from stickslip.detect.methods import play_fit
 from stickslip.detect.methods.play_fit import detect, fit
-from stickslip.detect.prepare.controller import controller_sign
-from stickslip.detect.prepare.lags import Lags
-from stickslip.detect.prepare.stick import stick, turns
+from stickslip.detect.stem.controller import controller_sign
+from stickslip.detect.stem.lags import Lags
+from stickslip.detect.stem.stick import stick, turns
 from stickslip.logs import LoopRecord
 
 MOVES = tuple(2.0 * np.cumsum(np.random.default_rng(3).normal(size=20)))

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stickslip.detect.half_waves.cycles import Params
+from stickslip.detect.half_waves.half_cycles import in_pieces, measure
 from stickslip.detect.oscillation import acf_crossings
 from stickslip.detect.oscillation.acf_crossings import significant_crossings
 from stickslip.detect.oscillation.acf_kernels import beat, centred, correlated, levelled, short_beat
-from stickslip.detect.prepare.cycles import Params
-from stickslip.detect.prepare.gaps import split, taken
-from stickslip.detect.prepare.half_cycles import crossings, in_pieces, measure
-from stickslip.detect.prepare.health_kernels import long_stands, longest_stand, on_grid, pair, repeated, spread
-from stickslip.detect.prepare.order import median_step, percentile, percentiles
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.smoothing import moving_average, noise_std
+from stickslip.detect.signals.crossings import crossings
+from stickslip.detect.signals.gaps import split, taken
+from stickslip.detect.signals.kernels import long_stands, longest_stand, on_grid, pair, repeated, spread
+from stickslip.detect.signals.order import median_step, percentile, percentiles
+from stickslip.detect.signals.smoothing import moving_average, noise_std
 from stickslip.logs import LoopRecord
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60).map(np.array)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stickslip.detect.methods.stem_play import band, detect, stem
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 
 MOVES = tuple(2.0 * np.cumsum(np.random.default_rng(3).normal(size=20)))

@@ -5,8 +5,8 @@ import pytest
 from stickslip.detect import diagnose
 from stickslip.detect.judge.answer import answer
 from stickslip.detect.judge.over_days import answer_over_days
-from stickslip.detect.prepare.days import DAY, SAMPLES, days_of, edges_of_days
 from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.signals.days import DAY_S, SAMPLES_MIN, days_of, edges_of_days
 from stickslip.logs import LoopRecord
 from stickslip.scan.judge import row_of
 
@@ -72,7 +72,9 @@ def test_a_record_of_a_day_is_judged_as_it_is():
 
 
 def test_a_window_holds_enough_samples_and_periods():
-    t = np.arange(0.0, 20 * DAY, 1200.0)  # 72 samples a day
+    t = np.arange(0.0, 20 * DAY_S, 1200.0)  # 72 samples a day
     record = LoopRecord.from_arrays(t, pv=t, op=t)
-    assert edges_of_days(record)[1] == 5 and all(len(part) >= SAMPLES for part in days_of(record))  # analytic: 300 / 72
-    assert edges_of_days(record, period=DAY)[1] == 8  # eight periods
+    assert edges_of_days(record)[1] == 5 and all(
+        len(part) >= SAMPLES_MIN for part in days_of(record)
+    )  # analytic: 300 / 72
+    assert edges_of_days(record, period=DAY_S)[1] == 8  # eight periods

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 from stickslip.blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
 from stickslip.diagram import simulate, wire
 from stickslip.engine import layout as at
@@ -61,18 +62,17 @@ def test_a_singular_matrix_is_reported():
     assert not factorise_and_solve(I, np.array([3.0, 0.0, 1.0]), 3.0, 2)
 
 
+@njit
+def _both(ints, floats, diagonal, b):
+    good = factorise(pointer_to(ints), pointer_to(floats), diagonal)
+    if good:
+        solve(pointer_to(ints), pointer_to(floats), b)
+    return good
+
+
 def factorise_and_solve(I, W, diagonal, b):
     """Call the compiled functions as the engine does, with pointers."""
-    from numba import njit
-
-    @njit
-    def both(ints, floats, diagonal, b):
-        good = factorise(pointer_to(ints), pointer_to(floats), diagonal)
-        if good:
-            solve(pointer_to(ints), pointer_to(floats), b)
-        return good
-
-    return both(I, W, diagonal, b)
+    return _both(I, W, diagonal, b)
 
 
 def test_a_chain_needs_no_new_entries():

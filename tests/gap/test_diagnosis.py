@@ -15,7 +15,14 @@ FEW = [effect(name) for name in NAMES]
 
 def test_no_gap_is_said_in_the_words_of_the_document(recorded):
     report = diagnose(ideal_flow(), recorded(seed=5), catalogue=FEW, progress=False)
-    assert report.to_dict() == {"gap": False, "where": None, "causes": [], "ranking": [], "shrinkage": None}
+    assert report.to_dict() == {
+        "gap": False,
+        "where": None,
+        "causes": [],
+        "ranking": [],
+        "hints": [],
+        "shrinkage": None,
+    }
     assert str(report).startswith("No gap of relevance")
 
 
@@ -31,7 +38,7 @@ def test_the_cause_is_named_up_to_what_the_log_tells_apart(recorded, name, place
     report = diagnose(ideal_flow(), recorded(name, place, **values), catalogue=FEW, progress=False)
     found = report.to_dict()
     json.dumps(found, allow_nan=False)
-    assert set(found) == {"gap", "where", "causes", "ranking", "shrinkage"} and found["gap"] is True
+    assert set(found) == {"gap", "where", "causes", "ranking", "hints", "shrinkage"} and found["gap"] is True
     (cause,) = found["causes"]
     assert set(cause) == {"effect", "place", "probability", "ambiguous_with", "parameters"}
     assert name in [cause["effect"], *cause["ambiguous_with"]] and set(found["where"]["confidence_set"]) == places

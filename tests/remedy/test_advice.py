@@ -2,13 +2,14 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from stickslip.blocks import GapPI, HeValve
 from stickslip.diagram import simulate
 from stickslip.logs import LoopRecord
-from stickslip.remedy import FitError, fit, python_of, remedies
+from stickslip.remedy import FitError, cost, fit, python_of, remedies
 from stickslip.remedy.advice import SURE
 from stickslip.remedy.example import sticky
 from stickslip.remedy.measures import REMEDIES
@@ -55,8 +56,8 @@ def test_a_repaired_valve_swings_least(advice):
     # invariant: under the same load no stick is better than any stick here
     least = np.median(advice["valve repaired"].outcome.pv_sd)
     assert all(np.median(one.outcome.pv_sd) >= 0.98 * least for one in advice.tried)
-    ratio, _ = advice.cost
-    assert ratio.low > 1.0
+    assert advice.cost.ratio.low > 1.0 and advice.cost.travel.value is not None
+    assert cost(replace(advice.fit, sticks=False)).ratio.value == 1.0
 
 
 def test_the_trial_loop_is_the_plain_loop_where_nothing_is_set(found):
@@ -117,8 +118,6 @@ def test_settings_follow_their_rules():
 def test_more_gain_of_the_load_gives_more_swing(found):
     # invariant: half the load, half the swing, in a loop without stick
     half = [tuple(0.5 * (one - one[0]) + one[0] for one in own) for own in found.lefts]
-    from dataclasses import replace
-
     free = [replace(one, S=0.0, J=0.0) for one in found.loops]
     day = replace(found.days[0], sp=np.full(len(found.days[0].op), found.days[0].pv[0]))
     full, less = (

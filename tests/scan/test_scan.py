@@ -140,7 +140,7 @@ def test_a_loop_that_never_ends_is_given_up(forms, monkeypatch) -> None:
             time.sleep(0.01)
 
     monkeypatch.setattr(stickslip.scan.judge, "row_of", endless)
-    monkeypatch.setattr(stickslip.scan.judge, "SECONDS_MAX", 1)
+    monkeypatch.setattr(stickslip.scan.judge, "LOOP_MAX_S", 1)
     job = source_of(forms["wide"], Path("unused")).jobs[0]
     rows = judged(replace(job, loops=job.loops[:1]), 0)
     assert rows[0]["error"] == "TimeoutError: the loop took more than 1 s"

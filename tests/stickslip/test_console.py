@@ -92,7 +92,6 @@ def first_line_of(*arguments):
     [
         ("FIC101_pi_export.csv", 1, "FIC101: STICTION"),
         ("PIC305_long_form.csv", 0, "PIC305: NO STICTION"),
-        ("LIC410_level.csv", 1, "LIC410: STICTION"),
     ],
 )
 def test_a_closed_pipe_leaves_the_exit_code_to_the_verdict(exports, tmp_path, export, code, line):

@@ -55,7 +55,7 @@ def test_a_gap_is_exit_code_one_and_named(call, written, model, tmp_path):
     result = call("gap", written(1.3), "--model", f"{model}:loop", "--json", "-", "--html", page)
     assert result.exit_code == 1, result.output
     found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
-    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "shrinkage"}
+    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "hints", "shrinkage"}
     assert found["where"]["place"] == "controller" and found["causes"][0]["effect"] == "controller_gain"
     assert found["causes"][0]["parameters"]["factor"]["value"] == pytest.approx(1.3, rel=1e-3)
     assert "Cause: controller_gain at controller" in " ".join(result.stderr.split())
@@ -141,3 +141,29 @@ def test_percent_where_the_model_has_a_share_is_refused_with_the_remedy(call, wr
 def test_a_signal_that_cannot_be_is_said(call, written, model, given, said):
     result = call("gap", as_exported(written(1.0)), "--model", "ideal_flow", *NAMED, given)
     assert result.exit_code == 2 and said in result.output and "Traceback" not in result.output
+
+
+def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
+    from stickslip.remedy.example import sticky
+
+    def file(name, K_p):
+        record = sticky(hours=0.6, seed=3)
+        op = 40.0 + K_p * (record.op - 40.0)  # the same loop behind a controller with another gain
+        path = tmp_path / name
+        columns = np.column_stack([record.t, record.sp, op, record.pv])
+        np.savetxt(path, columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")
+        return path
+
+    result = call("gap", file("later.csv", 0.5), "--fit", file("earlier.csv", 1.0), "--json", "-")
+    assert result.exit_code == 1, result.output
+    found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
+    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "shrinkage"}
+    gain = next(one for one in found["causes"] if one["effect"] == "controller_gain")
+    assert gain["parameters"]["ratio"]["value"] == pytest.approx(0.5, rel=0.02)
+
+
+def test_a_model_and_an_earlier_record_are_not_both_asked(call, written, model):
+    result = call("gap", written(1.0), "--model", f"{model}:loop", "--fit", written(1.0))
+    assert result.exit_code == 2 and "leave out the other" in result.output
+    result = call("gap", written(1.0), "--signal", "OP=x")
+    assert result.exit_code == 2 and "need a --model" in result.output

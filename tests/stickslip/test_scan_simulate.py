@@ -49,7 +49,7 @@ def test_the_first_are_simulated_and_kept(call, plant, tmp_path, monkeypatch):
 
 
 def test_a_damaged_note_is_made_again(tmp_path):
-    from stickslip.commands.scan_simulate import _kept
+    from stickslip.commands.scan_beside import _kept
 
     file = tmp_path / "simulated.json"
     for content in ("{", "[]", '{"of": "other", "loops": {"1": {}}}'):

@@ -50,17 +50,40 @@ def test_no_argument_is_the_demonstration(start, monkeypatch):
     assert start.ran[-1] == ("-m", "stickslip", "demo")
 
 
+def test_the_first_check_that_fails_is_told_and_nothing_is_tested(start, monkeypatch, capfd):
+    monkeypatch.setattr(sys, "argv", ["start.py", "test"])
+    start.main()
+    monkeypatch.setattr(start, "CHECKS", [["a", "1"], ["b", "2"], ["c", "3"]])
+    fails = {"1": 0, "2": 4, "3": 5}
+    monkeypatch.setattr(
+        start.subprocess, "run", lambda words, **_: subprocess.CompletedProcess(words, fails[words[1]], "said\n")
+    )
+    assert start.main() == 4  # with the tests, of which nothing is said here, it would be a KeyError
+    assert capfd.readouterr().out.endswith("+ a 1\nsaid\n+ b 2\nsaid\n")
+
+
 def test_tests_need_more_and_serve_the_commands_too(start, monkeypatch):
     start.main()
     monkeypatch.setattr(sys, "argv", ["start.py", "test"])
     assert start.main() == 0
     assert start.ran[3] == ("create", False)  # kept, and more installed into it
     assert start.ran[4][-1] == f"{ROOT}[test]"
-    assert len(start.ran) == 5 + len(start.TEST_STEPS)
+    assert sorted(start.ran[5:-1]) == sorted(tuple(step[1:]) for step in start.CHECKS)
+    assert start.ran[-1] == tuple(start.TESTS[1:])
     monkeypatch.setattr(sys, "argv", ["start.py", "demo"])
     before = len(start.ran)
     start.main()
     assert start.ran[before:] == [("-m", "stickslip", "demo")]
+
+
+def test_the_site_needs_its_own_tools_and_serves_the_commands_too(start, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["start.py", "docs", "--quick"])
+    assert start.main() == 0
+    assert start.ran[1][-1] == f"{ROOT}[docs]"
+    assert start.ran[2:] == [("docs/build.py", "--quick")]
+    monkeypatch.setattr(sys, "argv", ["start.py", "demo"])
+    assert start.main() == 0
+    assert start.ran[3:] == [("-m", "stickslip", "demo")]
 
 
 def test_a_folder_of_the_users_is_never_cleared(start, tmp_path, capsys):

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import math
 
-from stickslip.detect.judge.earned import usable
 from stickslip.detect.judge.features.dead_travel import dead_travel_features
+from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.features.network import network_features
 from stickslip.detect.judge.features.view import View, view_of
 from stickslip.detect.prepare.prepared import Prepared

@@ -1,6 +1,6 @@
 """What PV would show if the valve stuck by this much: for several sizes, the steps of the stem and what is new in PV.
 
-    x       stem for OP u, S a share of OP's travel, J = ``JUMP`` S (``prepare.stick``)
+    x       stem for OP u, S a share of OP's travel, J = ``JUMP`` S (``stem.stick``)
     step    x_k - x_(k-1), over its root mean square
     new     y less its least-squares prediction from its past and the stem (``channels.innovations``), over the root
             mean square of the size that leaves least
@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.channels import LAGS, innovations
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 
 __all__ = ["CANDIDATES", "candidates"]
 

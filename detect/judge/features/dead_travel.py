@@ -17,7 +17,7 @@ __all__ = ["dead_travel_features"]
 
 SHARES = (0.1, 0.15, 0.2, 0.3, 0.45, 0.65, 1.0)  # of OP's travel
 NONE = 3.0  # times OP's travel: an excluded S beyond is none
-MOST = 100.0  # nats, turns, samples: more tells no more, and must not look as if nothing like it had been learnt from
+MOST = 100.0  # of nats, turns and samples: more tells no more, and must not look like nothing ever learnt from
 
 
 def dead_travel_features(found: Evidence, stems: Stems) -> dict[str, float]:

@@ -3,7 +3,7 @@
     thinned    blocks of k samples are averaged, so that 12 to 24 are left from one turn of OP to the next
     time       counted in turns: the mean time between two turns of OP by more than 0.3 of its range
     u, y, e    OP, PV, SP - PV, each over its own robust scale; y and e turned so that the process gain is positive
-    recent     of a long record the last part, as the simulated ones are no longer: see ``prepare.recent``
+    recent     of a long record the last part, as the simulated ones are no longer: see ``stem.recent``
 
 Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be told from it.
 Samples at which PV and OP both stand still to the bit are stale collection and are left out where they are many.
@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.prepare.controller import controller_sign
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.process_kind import kind_of_tag
-from stickslip.detect.prepare.recent import blocks, recent, samples_per_turn
+from stickslip.detect.stem.controller import controller_sign
+from stickslip.detect.stem.process_kind import kind_of_tag
+from stickslip.detect.stem.recent import blocks, recent, samples_per_turn
 
 __all__ = ["LONGEST", "View", "view_of"]
 
@@ -26,7 +26,7 @@ Values = npt.NDArray[np.float64]
 
 FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
 POINTS = 900  # beyond these the thinning goes down to COARSE
-STALE = 0.05  # share of stale samples from which on they are left out
+STALE_SHARE = 0.05  # share of stale samples from which on they are left out
 LONGEST = 7_200  # points of the grid that are looked at: the longest records that the model was fitted on
 
 
@@ -72,7 +72,7 @@ def view_of(loop: Prepared) -> View | None:
     last = slice(recent(grid.op, LONGEST), None)
     op, pv, e = grid.op[last], grid.pv[last], grid.e[last]
     still = np.concatenate([[False], (np.diff(op) == 0.0) & (np.diff(pv) == 0.0)])
-    if float(np.mean(still)) > STALE and np.sum(~still) >= 40:
+    if float(np.mean(still)) > STALE_SHARE and np.sum(~still) >= 40:
         op, pv, e = op[~still], pv[~still], e[~still]
     u_scale, y_scale = _scale(op), _scale(pv)
     if not (u_scale > 0.0 and y_scale > 0.0):

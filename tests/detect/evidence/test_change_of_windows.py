@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from stickslip.detect.evidence.windows import FALSE_ALARMS, OverTime, Window
+from stickslip.detect.evidence.windows import FALSE_ALARMS_SHARE, OverTime, Window
 from stickslip.detect.judge.answer import Amount
 
 DRAWS = 2000
@@ -22,7 +22,7 @@ def said(sizes, half=0.05):
 def test_a_constant_valve_rarely_changes(n):  # analytic: at most the stated rate, 3 standard errors above it
     random = np.random.default_rng(5)
     alarms = sum("has changed" in said(6.3 + 0.2 * random.normal(size=n)) for _ in range(DRAWS))
-    assert alarms / DRAWS <= FALSE_ALARMS + 3.0 * np.sqrt(FALSE_ALARMS / DRAWS)
+    assert alarms / DRAWS <= FALSE_ALARMS_SHARE + 3.0 * np.sqrt(FALSE_ALARMS_SHARE / DRAWS)
 
 
 def test_a_growing_valve_is_seen():  # snapshot of the power: S doubles over 12 windows, each 0.2 off

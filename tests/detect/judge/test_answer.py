@@ -11,7 +11,7 @@ from stickslip.detect.judge.answer import LEVEL, Amount, answer, next_step
 from stickslip.detect.judge.features import features
 from stickslip.detect.judge.model import FILE, Model, calibrated, rounded
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord, read_loop
 
 RNG = np.random.default_rng(0)

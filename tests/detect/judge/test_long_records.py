@@ -7,7 +7,7 @@ from stickslip.detect import diagnose
 from stickslip.detect.evidence import over_time
 from stickslip.detect.judge.answer import answer
 from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
-from stickslip.detect.prepare.recent import recent
+from stickslip.detect.stem.recent import recent
 from stickslip.logs import LoopRecord, read_loop
 
 

@@ -22,7 +22,7 @@ from stickslip.detect.judge.features.network import (
 )  # fmt: skip
 from stickslip.detect.judge.features.view import view_of
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 
 KINDS = ("cycling", "drift", "excited", "healthy")

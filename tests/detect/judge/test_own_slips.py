@@ -8,7 +8,7 @@ from stickslip.calibration.simulation import simulate
 from stickslip.detect.judge.answer import answer
 from stickslip.detect.judge.own_slips import driving, own_slips
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 
 T = np.arange(3000.0)

@@ -10,7 +10,7 @@ from stickslip.detect.judge.answer import answer
 from stickslip.detect.judge.own_slips import own_slips
 from stickslip.detect.judge.still_stem import still_stem
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 
 T = np.arange(2000.0)

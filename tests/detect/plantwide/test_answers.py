@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stickslip.detect.plantwide.answers import answer_of
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 
 T = np.arange(2500.0)
 OP = 50 + 6 * np.sin(T / 25) + 2 * np.sin(T / 61)

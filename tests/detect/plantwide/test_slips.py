@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
 from stickslip.detect.plantwide.survey import survey
-from stickslip.detect.prepare.stick import stick
+from stickslip.detect.stem.stick import stick
 from stickslip.logs import Log, LoopSignals
 
 T = np.arange(3000.0)

@@ -1,0 +1,1 @@
+"""Fits and remedies on hidden plants: ``python -m benchmarks.remedy``."""

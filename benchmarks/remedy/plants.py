@@ -1,0 +1,169 @@
+"""Hidden loops drawn from a seed: laws of friction, processes, loads and set points that the fit has none of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.calibration.crossed.stems import LAWS as ALL
+from stickslip.logs import LoopRecord
+from stickslip.remedy.measures.setting import Setting
+from stickslip.remedy.trial import NOTHING
+
+from benchmarks.remedy.running import Numbers, Settings, run
+
+__all__ = ["LAWS", "Plant"]
+
+Floats = NDArray[np.float64]
+SAMPLES = 4_000
+SKIPPED = 0.15
+LAWS = ("karnopp", "stribeck", "lugre", "kano", "backlash_and_stick", "sound")
+LOADS = ("wander", "steps", "both")
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A hidden loop; OP and stem in % of span."""
+
+    seed: int
+    law: str
+    numbers: Numbers
+    settings: Settings
+    sp: Floats = field(repr=False)
+    load: Floats = field(repr=False)
+    noise: Floats = field(repr=False)
+
+    @classmethod
+    def drawn(cls, seed: int) -> Plant:
+        """The loop of a seed."""
+        r = np.random.default_rng([seed, 2026])
+        law = LAWS[seed % len(LAWS)]
+        integrating = r.random() < 0.25
+        dt = float(r.choice([1.0, 2.0, 5.0]))
+        tau = dt * float(np.exp(r.uniform(math.log(4.0), math.log(30.0))))
+        T_2, T_3 = tau * float(r.uniform(0.05, 0.6)), tau * (float(r.uniform(0.05, 0.4)) if r.random() < 0.3 else 0.01)
+        theta, air = tau * float(r.uniform(0.05, 0.6)), dt * float(r.uniform(0.1, 0.8))
+        gain = float(np.exp(r.uniform(math.log(0.4), math.log(3.0))))
+        K = gain / tau if integrating else gain
+        sticks = law != "sound"
+        S = float(np.exp(r.uniform(math.log(1.0), math.log(8.0))))
+        J = S * float(r.uniform(0.1, 0.7)) * (0.5 if law == "backlash_and_stick" else 1.0)
+        late, slow = theta + 0.5 * (T_2 + T_3) + air + 0.5 * dt, float(r.uniform(0.8, 3.0))
+        wanted = slow * max(late, 0.3 * tau)
+        T_i = 2.0 * wanted + late if integrating else min(tau + 0.5 * T_2, 4.0 * (wanted + late))
+        K_p = T_i / (K * (wanted + late) ** 2) if integrating else (tau + 0.5 * T_2) / (K * (wanted + late))
+        mass = (0.05 if law != "lugre" else 0.25) * air**2
+        fine = math.sqrt(mass / 50.0) / 8.0 if law == "lugre" else dt
+        h = dt / math.ceil(dt / min(0.25 * air, 0.1 * T_2, 0.1 * dt, fine))
+        numbers = Numbers(
+            h, round(dt / h), -1 if law == "lugre" else ALL.index(law if sticks else "backlash"), S if sticks else 0.0,
+            J if sticks else 0.0, air, mass, float(r.uniform(-0.6, 0.6)), K, 0.0 if integrating else tau,
+            T_2, T_3, theta, bool(r.random() < 0.5),
+        )  # fmt: skip
+        size, kind = max(S, 2.0), LOADS[int(r.integers(len(LOADS)))]
+        load = np.zeros(SAMPLES)
+        if kind != "steps":
+            load += size * float(r.uniform(0.1, 0.5)) * _wander(r, tau * float(r.uniform(5.0, 40.0)) / dt)
+        if kind != "wander":
+            at = np.flatnonzero(r.random(SAMPLES) < dt / (tau * float(r.uniform(30.0, 120.0))))
+            jumps = size * float(r.uniform(0.2, 0.6)) * r.normal(size=len(at))
+            for one, jump in zip(at, jumps, strict=True):
+                load[one:] += jump - 0.3 * load[one]  # it stays in bounds
+        load[0:40] += 0.4 * size * (1.0 - np.arange(40) / 40.0)  # a push, so that what can cycle does
+        sp = np.zeros(SAMPLES)
+        if r.random() < 0.3:
+            for at in np.sort(r.integers(200, SAMPLES, size=3)):
+                sp[at:] = gain * S * float(r.uniform(-0.6, 0.6))
+        noise = gain * size * float(np.exp(r.uniform(math.log(0.005), math.log(0.08)))) * r.normal(size=SAMPLES)
+        noise *= min(1.0, 0.15 * S / (K_p * float(np.std(noise)))) if sticks else 1.0
+        return cls(seed, law, numbers, Settings(K_p, T_i), sp, load, noise)
+
+    def later(self, change: str) -> Plant:
+        """The same loop at another time: another load and noise of the same kind, and one thing changed.
+
+        A stick two and a half times as large, 0.55 of the process's gain, half the gain or 1.8 times the integral time
+        of the controller, or "nothing".
+        """
+        n, c = self.numbers, self.settings
+        if change == "stiction":
+            n = n._replace(S=2.5 * n.S, J=2.5 * n.J)
+        elif change == "process_gain":
+            n = n._replace(K=0.55 * n.K)
+        elif change == "controller_gain":
+            c = c._replace(K_p=0.5 * c.K_p)
+        elif change == "controller_integral_time":
+            c = c._replace(T_i=1.8 * c.T_i)
+        r = np.random.default_rng([self.seed, 2027])
+        turned = np.concatenate([self.load[:40], self.load[:39:-1]]) * (1.0 if r.random() < 0.5 else -1.0)
+        return replace(self, numbers=n, settings=c, load=turned, noise=r.permutation(self.noise))
+
+    @property
+    def dt(self) -> float:
+        """The scan [s]."""
+        return self.numbers.h * self.numbers.scan
+
+    @property
+    def integrating(self) -> bool:
+        """Kind of the process."""
+        return self.numbers.T_1 <= 0.0
+
+    @property
+    def truth(self) -> Mapping[str, float]:
+        """What a fit should say; lags: the sum of all lags and dead time [s]."""
+        n = self.numbers
+        lags = n.T_1 + n.T_2 + n.T_3 + n.theta + n.air
+        return {"S": n.S, "J": n.J, "K": n.K, "KJ": n.K * n.J, "lags": lags}
+
+    def log(self, setting: Setting = NOTHING) -> Floats:
+        """PV, OP and stem (3, samples) with a setting of the advice."""
+        p, factors, own = setting.params, setting.factors, self.settings
+        dt = self.dt
+        left = factors.get("valve.S", 1.0)
+        settings = own._replace(
+            K_p=p.get("controller.K_p", own.K_p * factors.get("controller.K_p", 1.0)),
+            T_i=p.get("controller.T_i", own.T_i * factors.get("controller.T_i", 1.0)),
+            gap=p.get("controller.gap", 0.0), zone=p.get("controller.zone", 0.0), pulse=p.get("knocker.a", 0.0),
+            period=round(p.get("knocker.period", 5.0 * dt) / dt), width=round(p.get("knocker.width", 2.0 * dt) / dt),
+            push=p.get("reinforcement.a", 0.0), hold=p.get("reinforcement.hold", 0.0),
+            move_S=p.get("two_move.S", 0.0), move_J=p.get("two_move.J", 0.0), band=p.get("two_move.band", math.inf),
+            pause=math.ceil(p.get("two_move.pause", dt) / dt - 1e-9),
+        )  # fmt: skip
+        n = self.numbers
+        if left <= 0.0:
+            n = n._replace(law=ALL.index("backlash"), S=0.0, J=0.0)
+        out = np.zeros((3, len(self.sp)))
+        run(n._replace(S=left * n.S, J=left * n.J), settings, self.sp, self.load, self.noise, out)
+        return out
+
+    def record(self) -> LoopRecord:
+        """What a historian has of it: OP, PV and SP at each scan."""
+        pv, op, _ = self.log()
+        t = self.dt * np.arange(len(pv))
+        return LoopRecord.from_arrays(
+            t, pv=50.0 + pv, op=50.0 + op, sp=50.0 + self.sp, op_span=(0.0, 100.0), name=str(self.seed)
+        )
+
+    @cached_property
+    def measured_as_it_is(self) -> tuple[float, float]:
+        """``measured`` without a remedy."""
+        return self.measured(NOTHING)
+
+    def measured(self, setting: Setting) -> tuple[float, float]:
+        """Standard deviation of SP - PV and travel per hour under the same load."""
+        pv, _, stem = self.log(setting)
+        first = int(SKIPPED * len(pv))
+        travel = float(np.sum(np.abs(np.diff(stem[first:])))) / ((len(pv) - first) * self.dt / 3600.0)
+        return float(np.std((self.sp - pv)[first:])), travel
+
+
+def _wander(r: Any, memory: float) -> Floats:
+    """A first-order wander of spread 1 and ``memory`` [samples]."""
+    from scipy.signal import lfilter
+
+    a = math.exp(-1.0 / memory)
+    return np.asarray(lfilter([math.sqrt(1.0 - a * a)], [1.0, -a], r.normal(size=SAMPLES)))

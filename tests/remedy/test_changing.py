@@ -1,0 +1,53 @@
+"""What changed between two times of a loop: pairs of another simulation, with one thing changed or nothing."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from stickslip.remedy import changes, fit, lacks
+
+from benchmarks.remedy.plants import Plant
+
+SAMPLES = 1_600
+
+
+@pytest.fixture(scope="module")
+def plant():
+    drawn = Plant.drawn(12)  # Karnopp's stem, S = 7.6 %, J = 3.2 %
+    return replace(drawn, sp=drawn.sp[:SAMPLES], load=drawn.load[:SAMPLES], noise=drawn.noise[:SAMPLES])
+
+
+@pytest.fixture(scope="module")
+def earlier(plant):
+    return fit(plant.record())
+
+
+@pytest.mark.parametrize("change", ["nothing", "stiction", "controller_gain"])
+def test_the_change_is_named_and_nothing_else_of_valve_process_and_controller(plant, earlier, change):
+    found = changes(earlier, fit(plant.later(change).record()))
+    named = [one.effect for one in found.changed if one.effect not in ("disturbance", "sensor_noise")]
+    assert named == ([] if change == "nothing" else [change])
+    assert found.gap == bool(found.changed)
+
+
+def test_a_retuned_controller_is_told_to_the_per_cent(plant, earlier):
+    later = replace(earlier, controller=replace(earlier.controller, K_p=0.8 * earlier.controller.K_p))
+    (only,) = changes(earlier, later).changed
+    assert (only.effect, only.place) == ("controller_gain", "controller")
+    assert only.ratio.value == pytest.approx(0.8, rel=0.01)
+    assert not changes(earlier, earlier).gap
+
+
+def test_a_stick_that_is_gone_is_a_change(earlier):
+    free = replace(
+        earlier, sticks=False, gain=0.0, excluded=0.5, loops=tuple(replace(one, S=0.0, J=0.0) for one in earlier.loops)
+    )
+    assert "stiction" in [one.effect for one in changes(earlier, free).changed]
+
+
+def test_a_loop_without_stick_lacks_one(earlier):
+    found = lacks(earlier)
+    assert found.gap and found.changed[0].effect == "stiction"
+    json.dumps(found.to_dict(), allow_nan=False)
+    assert {"gap", "where", "causes", "ranking"} <= set(found.to_dict())
+    assert not lacks(replace(earlier, sticks=False, gain=-1.0)).gap

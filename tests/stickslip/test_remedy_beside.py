@@ -1,0 +1,38 @@
+"""What the fit says beside ``check`` and ``scan``: the remedy in place of a general rule, and what the stick costs."""
+
+import json
+
+import numpy as np
+import pytest
+from stickslip.remedy.example import sticky
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """A sticky loop and a sound one."""
+    folder = tmp_path / "plant"
+    folder.mkdir()
+    for name, S, J in (("FIC1", 5.0, 1.5), ("FIC2", 0.0, 0.0)):
+        record = sticky(hours=0.8, S=S, J=J, seed=3)
+        columns = np.column_stack([record.t, record.sp, record.op, record.pv])
+        head = f"time,{name}.SP,{name}.OP,{name}.PV"
+        np.savetxt(folder / f"{name}.csv", columns, fmt="%.6f", delimiter=",", header=head, comments="")
+    return folder
+
+
+def test_a_scan_ranks_what_stick_costs(call, plant, tmp_path):
+    words = ("scan", plant, "--out", tmp_path / "out", "--workers", "1", "--json", "-", "--cost", "5")
+    found = json.loads(call(*words).stdout)["costs"]
+    sticky_loops = {one["loop"] for one in json.loads(call(*words).stdout)["loops"] if one["verdict"] == "stiction"}
+    assert {one["loop"] for one in found} == sticky_loops
+    assert any("FIC1" in one["loop"] and one["cost"]["pv_sd_ratio"]["value"] > 1.1 for one in found)
+    assert (tmp_path / "out" / "costs.json").exists()
+
+
+def test_check_says_what_the_fit_says_to_do(call, plant):
+    result = call("check", plant / "FIC1.csv", "--remedy", "--json", "-")
+    document = json.loads(result.stdout)
+    assert result.exit_code == 1, document["reason"]
+    assert set(document["remedy"]) == {"until_shutdown", "at_shutdown", "cost", "words"}
+    assert any("Until the shutdown" in sentence for sentence in document["remedy"]["words"])
+    assert "remedy" not in json.loads(call("check", plant / "FIC1.csv", "--json", "-").stdout)
