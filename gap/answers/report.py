@@ -103,12 +103,17 @@ class GapReport(Shown):
     hints: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return "\n".join([*self.words, *self.hints, *(f"  - {note}" for note in self.notes)])
+        return "\n".join([*self.sentences, *(f"  - {note}" for note in self.notes)])
 
     @property
     def headline(self) -> str:
         """The result in one line."""
         return self.words[0]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the report says: its words, and after them its hints."""
+        return (*self.words, *self.hints)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain values for JSON."""
@@ -167,11 +172,7 @@ class GapReport(Shown):
     def _repr_html_(self) -> str:
         from stickslip.logs.notebook import image, paragraph
 
-        return (
-            "".join(paragraph(word) for word in (*self.words, *self.hints))
-            + image(self.plot_diagram())
-            + image(self.plot())
-        )
+        return "".join(paragraph(word) for word in self.sentences) + image(self.plot_diagram()) + image(self.plot())
 
 
 def _digits(value: float) -> float | None:

@@ -35,10 +35,11 @@ def hints(diagram: Diagram, log: Log) -> tuple[str, ...]:
     """Return a sentence on the mistake that explains the log best; none where none explains half of the gap."""
     first = log.samples(0, min(ROWS, len(log)))
     stated = Mistake("", diagram, first)
-    loss_of = next((one for one in (_exact, _followed) if math.isfinite(one(stated)[0])), None)
-    if loss_of is None:
+    loss_of, now = _exact, _exact(stated)
+    if not math.isfinite(now[0]):
+        loss_of, now = _followed, _followed(stated)
+    if not math.isfinite(now[0]):
         return ()
-    now = loss_of(stated)
     tried = [(one, loss_of(one)) for one in (*of_units(diagram, first), *of_controllers(diagram, first))]
     tried += [found for s in _moving(diagram, first) for found in _clocks(diagram, first, s, loss_of)]
     best, (loss, size) = min(tried, key=lambda x: x[1][0], default=(stated, now))

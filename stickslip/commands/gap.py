@@ -105,7 +105,7 @@ def command(
             say(line)
     report = diagnose(diagram, log, seed=seed)
     say("GAP" if report.gap else "NO GAP", fg="red" if report.gap else "green", bold=True)
-    for sentence in (*report.words, *report.hints):
+    for sentence in report.sentences:
         say.paragraph(sentence)
     shape = _shape(report, log)
     if not isinstance(shape, str):
@@ -168,7 +168,7 @@ def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str
     from stickslip.commands.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
-    first, *more = (*report.words, *report.hints)
+    first, *more = report.sentences
     answer = Section("The answer", badge, kind, first)
     answer.figures += _first_pictures(report, log)
     reasons = Section("Why", "", "open", "", notes=list(report.notes), notes_label="Read and assumed")
