@@ -49,7 +49,7 @@ def test_a_worker_that_is_killed_changes_nothing(cluster, plant, local, tmp_path
 
 
 def test_no_scheduler_at_that_address(plant, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("stickslip.logs.cluster.ANSWER", 1)
+    monkeypatch.setattr("stickslip.logs.cluster.ANSWER_S", 1)
     with pytest.raises(ReadError, match="no Dask scheduler answers"):
         scan(plant, tmp_path, cluster="tcp://127.0.0.1:1")
     assert threading.active_count() < 50

@@ -55,6 +55,6 @@ def test_a_study_begun_here_goes_on_there(cluster, local, tmp_path, monkeypatch)
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("stickslip.logs.cluster.ANSWER", 1)
+    monkeypatch.setattr("stickslip.logs.cluster.ANSWER_S", 1)
     with pytest.raises(StudyError, match="no Dask scheduler answers"):
         study(integrating_loop(), GRID, progress=False, cluster="tcp://127.0.0.1:1", **OPTIONS)
