@@ -133,7 +133,7 @@ def _within_reach(values: npt.NDArray[np.float64], name: str) -> Numbers:
     good = np.ones(len(kept), dtype=bool)
     for number, count in placeholders(kept):
         good &= kept != number
-        said = f"{name}: {count} values are {number:.10g}, far outside the others"
+        said = f"{name}: {count} value{'s are' if count > 1 else ' is'} {number:.10g}, far outside the others"
         notes.append(f"{said}: missing, of bad quality, for systems write this where they have no number.")
     return Numbers(np.where(good, kept, np.nan), None if good.all() else good, tuple(notes))
 

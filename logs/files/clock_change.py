@@ -46,7 +46,8 @@ def repaired_clock_change(t: Values, start: datetime | None = None) -> tuple[Val
         )
     if start is None or start.tzinfo is not None:
         return t, None
-    for i in np.flatnonzero((steps > _HOUR_S) & (steps <= _HOUR_S + _USUAL_STEPS * usual)).tolist():
+    least = max(_HOUR_S, usual + 0.5 * _HOUR_S)  # rows two hours or a day apart step that far on any Sunday
+    for i in np.flatnonzero((steps > least) & (steps <= _HOUR_S + _USUAL_STEPS * usual)).tolist():
         if _is_left_out(start, float(t[i]), float(t[i + 1])):
             return np.where(t > t[i], t - _HOUR_S, t), (
                 f"The clock steps ahead one hour after {t[i]:g} s (start of summer time): "

@@ -50,10 +50,11 @@ def ordered_times(
             f"line {lines[row]}{of} is earlier than the line before it ({t[row]:g} s after {t[row - 1]:g} s); "
             "sort the rows by time, or export in UTC if the clock was set back"
         )
-    t, notes = _evened(t)
+    differ = np.logical_or.reduce([~_equal(values, np.roll(values, -1)) for values in columns])
+    t, notes = _evened(t, differ[:-1])
     notes = sorting + notes
     same = np.append(np.diff(t) == 0, False)  # the row after it has the same time
-    changed = same & np.logical_or.reduce([~_equal(values, np.roll(values, -1)) for values in columns])
+    changed = same & differ
     others, repeats = int(changed.sum()), int((same & ~changed).sum())
     if others > few:
         row = int(np.argmax(changed))
@@ -75,13 +76,18 @@ def _equal(a: Values, b: Values) -> npt.NDArray[np.bool_]:
     return np.asarray((a == b) | (np.isnan(a) & np.isnan(b)))
 
 
-def _evened(t: Values) -> tuple[Values, list[str]]:
-    """Times with the repeats of rounded stamps moved to where their samples were taken."""
+def _evened(t: Values, differ: npt.NDArray[np.bool_]) -> tuple[Values, list[str]]:
+    """Times with the repeats of rounded stamps moved to where their samples were taken.
+
+    Where no two rows of one time ``differ`` in a value, those that no double step explains are one row written twice.
+    """
     steps = np.diff(t)
     if not (steps == 0).any() or not (steps > 0).any():
         return t, []
     evened, moved = _beside_double_steps(t)
     if not moved or (np.diff(evened) == 0).any():
+        if not differ[steps == 0].any():
+            return t, []
         spread, notes = _spread(t)
         if notes or not moved:
             return spread, notes

@@ -15,17 +15,17 @@ _OTHERS = np.array([999.25, 9999.25, 999.9, 999.99, 9999.9, 9999.99, 99999.99])
 _ENDS = np.array([2.0**n for n in (15, 31, 63)] + [2.0**n - 1.0 for n in (15, 16, 31, 32)])
 _KNOWN = np.unique(np.concatenate([_NINES, _OTHERS, _ENDS]))
 _HUGE = 1e20  # no measurement is as large, in any unit
-_BELOW = 2.0  # times the largest of the other values, for a negative number where none of these is negative
-_FAR = 20.0  # times the largest of the other values, otherwise
+_BELOW = 2.0  # times the largest of the other values, for a repeated negative number where none of these is negative
+_FAR = 20.0  # times the largest of the other values, otherwise: also for what comes once
 
 
 def placeholders(values: Values) -> list[tuple[float, int]]:
-    """Numbers of such a form that are repeated exactly and lie far outside the other values, and how often they come.
+    """Numbers of such a form that lie far outside the other values, and how often they come.
 
-    What lies nearer may be measured, as a gauge at its end is; so may what comes once.
+    What lies nearer may be measured, as a gauge at its end is; so may what comes once, unless it is farther still.
 
     >>> placeholders(np.array([4.0, 5.0, -999.0, 4.5, -999.0, 1e31]))
-    [(-999.0, 2)]
+    [(-999.0, 2), (1e+31, 1)]
     >>> placeholders(np.array([900.0, 950.0, 999.0, 999.0]))
     []
     """
@@ -43,7 +43,8 @@ def placeholders(values: Values) -> list[tuple[float, int]]:
     found = []
     for number, count in zip(*np.unique(values[known], return_counts=True), strict=True):
         opposite = number < 0 and not negative
-        far = abs(number) >= (_BELOW if opposite else _FAR) * largest and (largest > 0 or opposite)
-        if count > 1 and (far or abs(number) >= _HUGE):
+        times = _BELOW if opposite and count > 1 else _FAR
+        far = abs(number) >= times * largest and (largest > 0 or opposite)
+        if far or abs(number) >= _HUGE:
             found.append((float(number), int(count)))
     return found

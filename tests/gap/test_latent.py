@@ -8,6 +8,7 @@ from stickslip.diagram import simulate
 from stickslip.gap import GapError, diagnose, latent_input
 from stickslip.gap.answers.report import GapReport, Where
 from stickslip.gap.effects import effect
+from stickslip.gap.telling.latent import _deconvolved
 from stickslip.logs import Log
 
 
@@ -79,3 +80,12 @@ def test_it_is_refused_where_there_is_no_gap_or_nothing_drives_the_place():
         latent_input(report_at(ideal_flow(), "feed"), log)  # which holds its signal, load, too
     whole = latent_input(report_at(ideal_flow(), "process"), Log(log.t, {"SP": log["SP"], "OP": log["OP"]}))
     assert (whole.signal, whole.shown) == ("SP", "OP")  # one segment, which only the set point drives
+
+
+def test_an_output_that_does_not_answer_a_lasting_input_has_a_finite_latent_one():
+    # before: nothing divided by nothing at frequency zero, and "if nan in the mean, ... is added to SP" in the report
+    answer = np.zeros(50)
+    answer[3], answer[4] = 1.0, -1.0  # a pulse comes and goes: the sum of the answer is 0
+    y = np.convolve(np.sin(np.arange(50) / 5.0), answer)[:50]
+    found = _deconvolved(y, answer, integral=False)
+    assert np.isfinite(found).all() and np.allclose(np.convolve(found, answer)[10:40], y[10:40], atol=0.05)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stickslip.logs import ReadError, read_loop
+from stickslip.logs.files.clock_change import repaired_clock_change
 from stickslip.logs.files.order import about_sampling, ordered_times
 
 
@@ -100,3 +101,20 @@ def test_many_rows_without_a_time_are_refused(write):
     rows = ["" if i % 10 == 3 else str(i) for i in range(100)]
     with pytest.raises(ReadError, match="line 5 has no time"):
         read_loop(write("time,PV,OP\n" + "".join(f"{t},{i},50\n" for i, t in enumerate(rows))))
+
+
+def test_a_file_in_which_every_row_stands_twice_keeps_its_sampling(tmp_path):
+    # before: "stamps are rounded to 2 s", and rows 1 s apart, so that a controller of 2 s scanned every second
+    rows = [f"{2 * i},{i},{50 + i % 3}\n" * 2 for i in range(60)]
+    (tmp_path / "twice.csv").write_text("time [s],PV,OP\n" + "".join(rows))
+    record = read_loop(tmp_path / "twice.csv")
+    assert (record.dt, len(record.t)) == (2.0, 60)
+    assert any("60 repeated rows dropped" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("hours", [2, 24])
+def test_rows_hours_apart_on_a_sunday_in_september_are_no_change_of_the_clock(hours):
+    start = datetime(2024, 8, 25)  # seven days before a Sunday of September, at midnight
+    t = np.arange(300.0) * 3600.0 * hours
+    told, note = repaired_clock_change(t, start)
+    assert told.tolist() == t.tolist() and note is None
