@@ -151,3 +151,18 @@ def planned(f, t):
         part = (t / f.period) % 1.0
         out += f.slug * (part / 0.8 if part < 0.8 else (1.0 - part) / 0.2) - 0.5 * f.slug
     return out
+
+
+@njit(cache=True)
+def scanned(p, s, m, sp, noise, luck, k, t):
+    """Return SP, PV and OP of scan ``k`` of a single loop: the transmitter is read, then the controller runs."""
+    pv = read(p.sensor, m, noise[k], luck[k], t)
+    return sp, pv, pi(p.controller, s, sp, pv, 0.0, luck[k])
+
+
+@njit(cache=True)
+def kept(out, i, every, sp, pv, op):
+    """Write the row of step ``i`` of the log, where there is one: every so many steps from 0 on."""
+    if i >= 0 and i % every == 0:
+        row = out[i // every]
+        row[0], row[1], row[2] = sp, pv, op
