@@ -70,9 +70,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = (T - g.room) / g.loses * g.heats / (g.steam - T)
     pv, seen = T, T
     held, x, m = pi_at(op), stem_at(op), sensor_at(T)

@@ -45,9 +45,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    h = sp[0, 0]
+    g, scan, h = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = g.inflow / (g.k * np.sqrt(h))
     pv, seen = h, h
     held, x, m = pi_at(op), stem_at(op), sensor_at(h)

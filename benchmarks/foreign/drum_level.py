@@ -44,9 +44,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    L = sp[0, 0]
+    g, scan, L = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = g.steam
     z, mass = op, L + g.collapse * op
     pv, seen = L, L

@@ -48,9 +48,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     rate = np.exp(g.energy * (1.0 / 350.0 - 1.0 / T))
     conc = 1.0 / (1.0 + rate)
     op = (g.inlet - T + g.rise * rate * conc) / (g.cools * (T - g.coolant))

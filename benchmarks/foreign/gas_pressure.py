@@ -43,9 +43,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    P = sp[0, 0]
+    g, scan, P = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = g.m_in / (g.k * P)
     pv, seen = P, P
     held = pi_at(op)

@@ -74,9 +74,7 @@ def pH_of(W, B, guess):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    pH = sp[0, 0]
+    g, scan, pH = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = 0.55
     for _ in range(50):
         B = g.acid * g.buffer / (g.acid + g.base * op)

@@ -51,9 +51,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     needs = g.loss * (T - 25.0) - g.reaction
     op = 0.5 + 0.5 * needs / g.heat if needs > 0.0 else 0.5 + 0.5 * needs / (g.cool * (T - 15.0))
     pv, seen = T, T
