@@ -164,8 +164,8 @@ def _complete(block: "Block") -> None:
 
 def _linear(block: "Block") -> None:
     """Refuse a block that is not linear in each mode, but says so."""
-    if told := not_affine(block):
-        raise Mistake(f"kernel {told} is not affine, but linear=True says that it is: leave linear out")
+    if kernel := not_affine(block):
+        raise Mistake(f"kernel {kernel} is not affine, but linear=True says that it is: leave linear out")
 
 
 class _Trial:

@@ -82,10 +82,10 @@ class Run:
         return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     def __repr__(self) -> str:
-        told = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
-        told += [self.hint] if self.hint else []
-        told += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
-        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
+        parts = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
+        parts += [self.hint] if self.hint else []
+        parts += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
+        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(parts)}>")
 
     def _repr_html_(self) -> str:
         from stickslip.logs.notebook import image, paragraph, table
@@ -344,8 +344,8 @@ def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: En
         return Status.OK, HINTS[Status.OK]
     component, outcome = failed
     when = f"at t = {outcome.t:.6g} s"
-    if told := troubles(diagram, ends):
-        return Status.MODEL_ENDED, f"{told} ({when})"
+    if parts := troubles(diagram, ends):
+        return Status.MODEL_ENDED, f"{parts} ({when})"
     involved = component.blocks
     if outcome.status is Status.CHATTERING and len(outcome.events):
         involved = tuple(dict.fromkeys(outcome.events[-MOST_BLAMED:, 1].astype(int).tolist()))

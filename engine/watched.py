@@ -44,7 +44,7 @@ class Watched:
         return values
 
     def hold(self, value: Any, digest: Callable[[Any], str]) -> None:
-        """Keep what a value contains now, told by its ``digest``."""
+        """Keep what a value contains now, as its ``digest``."""
         self.held.append((digest, value, digest(value)))
 
     def changed(self) -> bool:

@@ -36,9 +36,9 @@ class Findings(Shown):
     @property
     def headline(self) -> str:
         """The result in one line."""
-        told = ", ".join(f"{count} {name}" for name, count in self.counts().items() if count)
+        counts = ", ".join(f"{count} {name}" for name, count in self.counts().items() if count)
         varied = ", ".join(axis.name for axis in self.varied()) or "nothing"
-        return f"'{self.request['subject']}' over {varied}: {told}"
+        return f"'{self.request['subject']}' over {varied}: {counts}"
 
     def counts(self) -> dict[str, int]:
         """Return how many runs are ok, infeasible, refused, failed."""

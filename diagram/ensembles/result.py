@@ -72,8 +72,8 @@ class Ensemble(Shown):
     def headline(self) -> str:
         """The result in one line."""
         codes, counts = np.unique(self.status, return_counts=True)
-        told = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
-        return f"{len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {told}"
+        text = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
+        return f"{len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {text}"
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -114,8 +114,8 @@ class Ensemble(Shown):
     def hint(self, i: int) -> str:
         """Return why variant ``i`` failed and what to try; empty if it did not fail."""
         self._check(i)
-        told = self.troubles[i] or HINTS[Status(int(self.status[i]))]
-        return f"{told} (at t = {self.ended[i]:.6g} s)" if told else ""
+        text = self.troubles[i] or HINTS[Status(int(self.status[i]))]
+        return f"{text} (at t = {self.ended[i]:.6g} s)" if text else ""
 
     def log(self, i: int) -> Log:
         """Return the signals kept of variant ``i``.

@@ -42,7 +42,7 @@ from stickslip.engine.table import Component
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
 LAYOUTS = 8  # kept of a diagram, for its next ensembles
-GLANCE = 0.1  # how often the progress is told [s]
+GLANCE = 0.1  # how often the progress is reported [s]
 
 
 def ensemble(

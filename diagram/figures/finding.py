@@ -110,10 +110,10 @@ def _cycle(run: Run, s: str, found: Oscillation, trend: str) -> str:
     for source in _moved_by_themselves(run, s, found.period):
         behind = following(run.log.t[late], run.log[source][late], run.log[s][late], found.period)
         if behind.share > SINE:
-            told = f"{source} swings by itself with a period of {period}; {s} follows {behind.lag:.2g} s later, "
-            told += (f"{behind.gain:.2g} times as far" if run.log.units.get(s) == run.log.units.get(source)
+            text = f"{source} swings by itself with a period of {period}; {s} follows {behind.lag:.2g} s later, "
+            text += (f"{behind.gain:.2g} times as far" if run.log.units.get(s) == run.log.units.get(source)
                      else f"amplitude {amplitude}")  # fmt: skip
-            return told + (f"; {sticks}" if sticks else "")
+            return text + (f"; {sticks}" if sticks else "")
     for standing in _unmoved(run, s):
         return f"{s} swings by itself with a period of {period}; {standing} stands" + (
             f" and {_and(stuck)} is stuck" if len(stuck := _stuck(run)) == 1 else "")  # fmt: skip

@@ -171,8 +171,12 @@ def heading(shown: Sequence[str], unit: str) -> str:
     within = group and all(s.rpartition("/")[0] == group for s in shown)
     own = [s.rpartition("/")[2] for s in shown]
     names = list(dict.fromkeys(own)) if within or len(set(own)) == 1 else list(shown)
-    told = f" [{unit}]" if unit else ""
-    text = ", ".join(names) + told
+    bracket = f" [{unit}]" if unit else ""
+    text = ", ".join(names) + bracket
     if len(text) > WIDE:  # the legend has the names
-        text = f"{names[0]}\n{names[1]}{told}" if len(names) == 2 and not within else told.strip() or f"{names[0]}, ..."
+        text = (
+            f"{names[0]}\n{names[1]}{bracket}"
+            if len(names) == 2 and not within
+            else bracket.strip() or f"{names[0]}, ..."
+        )
     return (f"{group}\n" if within else "") + text

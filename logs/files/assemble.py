@@ -188,8 +188,8 @@ def _columns(
     good: dict[str, npt.NDArray[np.bool_]] = {}
     unclear: dict[str, str] = {}
     for name in wanted.values() if wanted else layout.names:
-        told = role_of(name)
-        is_mode = name in mode or (layout.heading is None and told is not None and told[1] == "MODE")
+        known = role_of(name)
+        is_mode = name in mode or (layout.heading is None and known is not None and known[1] == "MODE")
         if not is_mode and wanted is None and layout.heading is None and _is_text(frame[name]):
             notes.append(f"Column {name!r} holds no number and is left out.")
             continue
@@ -205,7 +205,7 @@ def _columns(
         for column in layout.marks_of.get(name, ()):
             told_quality = qualities(frame[column], column, flags=own)
             if told_quality is None:
-                unclear[column] = f"The quality in {column!r} cannot be told and is not used."
+                unclear[column] = f"The quality in {column!r} cannot be recognised and is not used."
                 continue
             mask = told_quality if mask is None else mask & told_quality
             if not own:

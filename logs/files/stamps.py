@@ -30,7 +30,7 @@ _DATES = {
     "day/month/year": r"^(?P<D>\d{1,2})[-/](?P<M>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
 }
 # English first, then German, Nordic, Dutch, French, Spanish, Italian and Portuguese, where they differ. French "jui"
-# may be June or July: not told.
+# may be June or July: not decided.
 _MONTH_WORDS = (
     "jan ene gen", "feb fév fev", "mar mär mrz mrt maa", "apr avr abr", "may mai maj mei mag", "jun giu",
     "jul lug", "aug aoû aou ago", "sep set", "oct okt ott out", "nov", "dec dez des déc dic",

@@ -30,18 +30,18 @@ class Read(NamedTuple):
     fault: str = ""
 
 
-def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read]":
+def several(files: Sequence[Path], stated: Mapping[str, Any]) -> "list[Read]":
     """Return what every file holds; of one file, where options name a loop or its columns, that loop alone.
 
     Raises ``ValueError`` where options that name the parts of one loop meet several files, and as ``read_loops`` does.
     """
-    one = [part for part in OF_ONE if told.get(part) is not None]
+    one = [part for part in OF_ONE if stated.get(part) is not None]
     if one and len(files) > 1:
         option = one[0].replace("_", "-")
         raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
     from stickslip.logs import ReadError, read_log, read_loop, read_loops
 
-    options = {name: value for name, value in told.items() if value is not None}
+    options = {name: value for name, value in stated.items() if value is not None}
     if one:
         return [Read(files[0], (read_loop(files[0], **options),), None)]
     found = []

@@ -256,9 +256,9 @@ def _sets(found: Sequence["Row"]) -> "Section":
     first = next(iter(sets))
     cells = []
     for key, row in sets[first].items():
-        told = [f"{show(r.reproduced)}{'' if r.within else ' ✗'}" for r in (of[key] for of in sets.values())]
+        reproduced = [f"{show(r.reproduced)}{'' if r.within else ' ✗'}" for r in (of[key] for of in sets.values())]
         cells.append(
-            (f"{_named(row)} ({row.table})", show(row.published), row.tolerance.removeprefix("median "), *told)
+            (f"{_named(row)} ({row.table})", show(row.published), row.tolerance.removeprefix("median "), *reproduced)
         )
     met = ", ".join(f"{name} {_met(list(rows.values()))}" for name, rows in sets.items())
     reason = (
