@@ -1,4 +1,4 @@
-"""What the arguments of a block must be, checked where they come in, before any block computes with them.
+"""Checks of a block's arguments, made where they come in, before any block computes with them.
 
 A constructor says in its annotations what it wants: ``float`` is a single number of any kind, ``str`` a text.  Every
 ``Block`` subclass gets this check in front of its ``__init__``, so that a text where a number belongs is refused with

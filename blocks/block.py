@@ -347,9 +347,9 @@ def _listed(values: Iterable[tuple[str, float]]) -> str:
 
 
 class SampledView(Block):
-    """What python-control sees of ``block`` in a continuous diagram: its samples at the solver's own steps.
+    """A sampled ``block`` in a continuous diagram of python-control; it takes samples at the solver's own steps.
 
-    See ``seen_samples``.  What is no number (NaN) is seen as 0.  ``twin`` is what slopes are taken of.
+    See ``seen_samples``.  NaN counts as 0.  ``twin`` is the continuous block that gives the slopes.
     """
 
     def __init__(self, block: Block, twin: Block | None = None) -> None:
@@ -366,7 +366,7 @@ class SampledView(Block):
 
     @property
     def twin(self) -> Block:
-        """What python-control takes slopes of."""
+        """The block from which python-control takes slopes."""
         return self._twin
 
     @property

@@ -33,7 +33,7 @@ _passed: set[object] = set()
 
 
 class Mistake(Exception):
-    """What a kernel did that it may not do."""
+    """A kernel did something that it may not do."""
 
 
 class Guarded:

@@ -42,7 +42,7 @@ SHARE = 50  # loops that a process makes at a time
 
 @dataclass(frozen=True)
 class AtRecord:
-    """What simulation at a record's conditions says.
+    """The result of simulations under a record's own conditions.
 
     probability : float        of stiction, where half of all loops stick [-]
     causes : mapping           probability of each of ``CAUSES`` [-], largest first
@@ -79,7 +79,7 @@ class AtRecord:
 
     @property
     def sentences(self) -> tuple[str, str]:
-        """What was simulated and found, and the detection limit, in words."""
+        """The simulations, their result and the detection limit in words."""
         found = (
             f"{self.loops} loops were simulated under the conditions of this record, half of them with a sticky valve. "
             f"Among those most like it the probability of stiction is {chance(self.probability)}; if the valve sticks, "
@@ -93,7 +93,7 @@ class AtRecord:
 
 @one_thread
 def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None) -> AtRecord:
-    """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
+    """Judge a record by ``loops`` simulated loops under its own conditions; equal seeds give equal answers.
 
     ``workers`` processes (default all cores).  Raises ``ValueError`` if the record shows too little (fewer than 40 good
     samples, OP or PV that does not move), or too few of the simulated loops do.
@@ -126,7 +126,7 @@ def together(model: float, simulated: float) -> float:
 
 
 def split(record: LoopRecord) -> list[LoopRecord]:
-    """Return the pieces that are looked at: the record itself, or up to ``PIECES`` of ``PIECE`` samples."""
+    """Return the pieces that are judged: the record itself, or up to ``PIECES`` of ``PIECE`` samples."""
     n = len(record)
     if n <= PIECE * 1.5:
         return [record]

@@ -1,4 +1,4 @@
-"""What the network learns from: signals of simulated loops, kept part by part, and the channels of them."""
+"""Training data of the network: signals of simulated loops, saved part by part, and the channels made of them."""
 
 import math
 from collections.abc import Sequence

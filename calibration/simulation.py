@@ -44,7 +44,7 @@ QUIET: Mapping[str, float] = {"sensor.sd": 0.0, "sensor.step": 0.0}
 
 @dataclass(frozen=True)
 class Measured:
-    """What a pilot run showed: ranges of OP [% of span] and PV [% of span], and the period [s]."""
+    """Measures of a pilot run: ranges of OP [% of span] and PV [% of span], and the period [s]."""
 
     op: float
     pv: float

@@ -1,4 +1,4 @@
-"""What holds on starts that no search has seen: the rows of the tables over several sets of starts.
+"""The rows of the tables over several sets of starts that no search has seen.
 
 Set E was found on the starts of seed 2009, so what it meets there is in part luck of these starts.  ``fresh`` runs a
 plant from sets of starts that were drawn afterwards; a row then has the median over all of them, and the share of the

@@ -1,4 +1,4 @@
-"""What PV does after a step of OP: it settles or it runs away.  The diagram itself shows it, with other loops closed.
+"""The kind of a process: after a step of OP its PV settles, or runs away.  The diagram shows it, other loops closed.
 
     G(s) = PV(s)/OP(s), this loop open:    |G(j w/10)|/|G(j w)| = 1 where it settles, 10 where it integrates
 

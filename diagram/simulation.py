@@ -54,15 +54,15 @@ class Event:
 
 @dataclass(frozen=True, repr=False)
 class Run:
-    """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
+    """The result of a simulation: log, events in order of time, status with a hint, statistics, and the end state.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``raw_events`` (events, 4) are the changes of mode in order of time: t, block, value before, value after; ``events``
-    names them.  ``notes`` say what to doubt in a run that is OK (``stickslip.diagram.coarse``,
+    names them.  ``notes`` are warnings about a run that is OK (``stickslip.diagram.coarse``,
     ``stickslip.diagram.strides``). ``final`` is the diagram at the end of the run: simulate it, changed or not, with
     ``t0`` = that time to go on (only blocks that run in Python begin anew).  ``ends`` are the engine's arrays there;
-    they are lost in a pickle. ``taken`` tells where another mode was put in place of the run's own
-    (``stickslip.diagram.branches``). ``in_python`` tells which functions could not be compiled and were called in
+    they are lost in a pickle. ``taken`` lists where another mode replaced the run's own
+    (``stickslip.diagram.branches``). ``in_python`` lists the functions that could not be compiled and were called in
     Python, how often and for how long.
     """
 

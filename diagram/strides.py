@@ -1,4 +1,4 @@
-"""What is said of a run whose steps were bounded because some of its functions follow the time.
+"""Notes on a run whose steps were bounded, because some of its functions follow the time.
 
 ``stickslip.engine.probing`` finds the bounds from a few hundred values of each function; whoever knows better gives
 ``max_step``.

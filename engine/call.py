@@ -165,7 +165,7 @@ class _Compiled(CFunc):
 
 
 def _first_words(error: Exception) -> str:
-    """Return what a compiler's message says, without its tour of the sources."""
+    """Return the line of a compiler's message that names the fault."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     found = [
         line for line in lines if not line.startswith(("Failed in", "During:", "File ", "- ", "Overload", "There "))

@@ -235,7 +235,7 @@ class LoopRecord(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was assumed, repaired or is missing, one sentence each."""
+        """Assumptions, repairs and missing parts, one sentence each."""
         own = []
         if self.sp_name is None:
             own.append("SP is not logged: e = SP - PV is not known.")

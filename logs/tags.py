@@ -1,4 +1,4 @@
-"""What an instrument tag says about its loop (ISA-5.1: the first letter is the measured variable)."""
+"""The meaning of an instrument tag (ISA-5.1: the first letter is the measured variable)."""
 
 from __future__ import annotations
 

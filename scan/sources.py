@@ -44,7 +44,7 @@ class Job:
         A file that holds its own loops; columns of a wide file; tags of a long file; one file for every tag.
     files : tuple of str
     loops : tuple of (str, tuple of str)
-        Each loop with its columns, tags or files; empty for "file", which tells its loops when it is read.
+        Each loop with its columns, tags or files; empty for "file", whose loops are found when it is read.
     beside : tuple of str
         Columns that every loop needs: time and, in a long table, tag, value and quality.
     mapped : tuple of LoopTags

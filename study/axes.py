@@ -1,4 +1,4 @@
-"""What a study varies: axes of listed values, which form a grid, and axes drawn at random."""
+"""The axes of a study: those with listed values form a grid, the others are random."""
 
 import math
 import re
@@ -90,7 +90,7 @@ class Axis:
 
     @property
     def column(self) -> str:
-        """What the axis is called in the table."""
+        """The name of the axis in the table."""
         return self.name if self.kind == "vary" or self.as_vary else f"{self.kind}.{self.name}"
 
     @property

@@ -1,4 +1,4 @@
-"""What a study found, as numbers: one table, read by columns, amplitudes in % and axes that vary."""
+"""The findings of a study as numbers: one table with amplitudes in % and the axes that vary."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What the pictures of a study share: the heading, and log axes with plain numbers."""
+"""Parts that pictures of a study share: the heading, and log axes with plain numbers."""
 
 from typing import TYPE_CHECKING
 

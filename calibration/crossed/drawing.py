@@ -70,7 +70,7 @@ class Drawn:
 
     @property
     def kind(self) -> str:
-        """What is true: "sticks", "play" (dead travel without a jump) or "sound"."""
+        """The true kind: "sticks", "play" (dead travel without a jump) or "sound"."""
         if not self.sticks:
             return "sound"
         return "play" if self.law in JUMPLESS else "sticks"

@@ -1,4 +1,4 @@
-"""What a historian keeps of a loop: rounding, compression, tags; and what is true of the run."""
+"""The record of a loop in a historian: rounding, compression, tags; and the truth of the run."""
 
 from __future__ import annotations
 

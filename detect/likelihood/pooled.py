@@ -59,7 +59,7 @@ class Day:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the records of one valve say of dead travel.
+    """The evidence for dead travel from the records of one valve.
 
     S, low, high : dead travel and what lies within 2 nats of it [unit of OP]; J : the jump, 0 unless it gains
     jump : what the jump gains [nats]; gain, without_best : G and G_d [nats]; turns : of the stem, over all records

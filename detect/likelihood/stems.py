@@ -53,7 +53,7 @@ STEPS = 4  # of the fit of a stick, from the weights of the line through OP
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """What a record says at one delay.
+    """The gains of a record at one delay.
 
     k : delay [rows]; sizes : (m,) ``Size`` of each column
     score : (m, 2) of a play and of a stick with a jump [nats];  sections : (m, 2, SECTIONS) log-likelihood of tenths

@@ -64,7 +64,7 @@ def _hides(e: Evidence, unit: str) -> str:
 
 
 def _short(e: Evidence) -> str:
-    """What is missing for dead travel to be called."""
+    """Return the condition that is not met, so that dead travel is not called."""
     if e.coarse:
         return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST_SAMPLES:g} needed)"
     if e.gain < GAIN_NATS:

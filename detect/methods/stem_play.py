@@ -87,8 +87,8 @@ class Params:
     end : distance from an end of the span within which the seat or stop may hold the stem [share of the span]
     scatter : largest interquartile range of S over its median [-]
     reversals, turns : fewest of the stem to accuse, of OP to clear; samples : fewest
-    friction : largest J over S; of friction it is 1, since S = (F_s + F_c) / k and J = (F_s - F_c) / k
-    agreeing, agreement : fewer reversals do where S differs between them by no more than this share of it [-]
+    friction : largest J over S; friction alone gives at most 1, since S = (F_s + F_c) / k and J = (F_s - F_c) / k
+    agreeing, agreement : fewer reversals are enough where their S differs by at most this share [-]
     """
 
     slip: float = 0.2

@@ -1,4 +1,4 @@
-"""What an ensemble gave: one entry a variant, each of which can be looked at or run again alone."""
+"""The result of an ensemble: one entry a variant.  Each can be inspected, or run again alone."""
 
 import json
 import os

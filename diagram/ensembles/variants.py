@@ -1,4 +1,4 @@
-"""What makes the variants of an ensemble differ: one table of numbers, one row a variant.
+"""The variants of an ensemble: a table of the numbers in which they differ, one row a variant.
 
 Each column belongs to one value of one block: a parameter, a start state or a memory.  The blocks themselves
 check every variant before anything runs; the engine's arrays then get each row in a single assignment.

@@ -1,4 +1,4 @@
-"""What a run shows, in the few words that fit a title: rest, a cycle with what makes it, or where a signal goes."""
+"""The finding of a run in a few words for a title: rest, a cycle and its cause, or where a signal goes."""
 
 from collections.abc import Iterable, Sequence
 

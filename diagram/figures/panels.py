@@ -1,4 +1,4 @@
-"""What a figure of a run shows: which signals share a panel, which are left out, and what stands at the axis."""
+"""The panels of a figure of a run: which signals share one, which are omitted, and the text at the axis."""
 
 from collections.abc import Iterable, Sequence
 

@@ -40,7 +40,7 @@ _FIGURE = re.compile(r"[-+]?[\d.,]")
 class Layout:
     """Times of the rows and the names of what can be taken as a signal (columns, or tags of a long table).
 
-    What one loop after another asks of the whole file is worked out once.
+    Work that is the same for every loop of a file is done once.
     """
 
     table: Table

@@ -88,10 +88,10 @@ def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", ask
 
     Parameters: ``numbers`` (polars.Series of Int64 or Float64); ``lines`` (list of int) Line of each row, for messages;
     ``unit`` (str) Unit that the file states for the column; "" when it states none; ``asked`` (str, optional) One of
-    ``TIME_UNITS``, said by the caller: it goes before everything else.
+    ``TIME_UNITS``, given by the caller; it overrides everything else.
 
-    Without a unit, counts since a date are known by their size, and other units by the interval between rows:
-    what makes no sense in seconds and is a usual interval in another unit is read in that one.
+    Without a unit, counts since a date are recognised by their size, and other units by the interval between rows.
+    An interval that makes no sense in seconds, but is usual in another unit, is read in that unit.
 
     Raises ReadError for a time that is not finite, or that is not what the caller says it is.
 

@@ -31,7 +31,7 @@ LONGEST_VALUE_CHARACTERS = 60  # characters of a value in a message
 
 @dataclass(frozen=True)
 class Kept:
-    """What kind of rows a folder keeps.
+    """The kind of rows that a folder keeps.
 
     name : str
         Of the files, and in messages: "study".

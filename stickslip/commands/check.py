@@ -51,8 +51,8 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 def command(files: tuple[Path, ...], **stated: Any) -> None:
     """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
 
-    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' is
-    what is piped in. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
+    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' reads
+    from a pipe. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
     stickslip.detect.Verdict, which is shown beside the others and has no vote.
 
     \b

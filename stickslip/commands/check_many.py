@@ -22,7 +22,7 @@ OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that nam
 
 
 class Read(NamedTuple):
-    """What a file holds: its loops, and the whole log where they are several; or why it cannot be read."""
+    """The content of a file: its loops, and the whole log if there are several; or why it cannot be read."""
 
     file: Path
     records: "tuple[LoopRecord, ...]"

@@ -1,4 +1,4 @@
-"""What checks of one loop and of several share: what the user says of PV, and the article on a loop."""
+"""Parts that checks of one and of several loops share: the kind of PV that a user states, and the report on a loop."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""What the stick of each sticky loop of a scan costs, the dearest first."""
+"""The cost of the stick in each sticky loop of a scan, the dearest first."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
