@@ -124,7 +124,7 @@ def sentences(found: "LoopFit") -> list[str]:
         f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not predicted; the "
         f"stem alone, without the load, leaves {100 * found.free_error:.0f} %."
     )
-    gain = f"A stick tells PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
+    gain = f"A stick predicts PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
     return [law_line, fits, *([gain] if gain else []), *found.notes]
 
 
