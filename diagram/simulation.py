@@ -1,7 +1,7 @@
 """Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
@@ -15,6 +15,7 @@ from stickslip.blocks.ports import shortened
 from stickslip.diagram.branches import Branches, Taken, branching, taken
 from stickslip.diagram.coarse import ToleranceWarning, too_coarse
 from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ends import at_end, troubles
 from stickslip.diagram.flatten import DELAY_RECORDS, Ends, Plan
 from stickslip.diagram.in_python import InPython, counts, spent
 from stickslip.diagram.inputs import Inputs, close
@@ -22,6 +23,7 @@ from stickslip.diagram.kept import log_times, logging_only, wanted_signals
 from stickslip.diagram.kinds import known_loops
 from stickslip.diagram.past import Past, resumed
 from stickslip.diagram.playback import check_logged
+from stickslip.diagram.run_events import Event, in_order, named_events
 from stickslip.diagram.settings import Changes, Settings, settings_of
 from stickslip.diagram.strides import bounded
 from stickslip.diagram.wiring import WiringError
@@ -40,16 +42,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 MOST_BLAMED = 6  # blocks that a hint names
-
-
-@dataclass(frozen=True)
-class Event:
-    """A change of mode: time [s], block, mode before, mode after."""
-
-    t: float
-    block: str
-    before: str
-    after: str
 
 
 @dataclass(frozen=True, repr=False)
@@ -123,7 +115,7 @@ class Run:
     @cached_property
     def final(self) -> Diagram:
         """The diagram with states, memories, held outputs and dead times as they stand at the end."""
-        return _final(self.diagram, self.ends)
+        return at_end(self.diagram, self.ends)
 
     @property
     def ok(self) -> bool:
@@ -352,45 +344,3 @@ def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: En
     culprits = [diagram.blocks[b].name for b in involved if b < len(diagram.blocks)]
     more = f" and {len(culprits) - MOST_BLAMED} more" if len(culprits) > MOST_BLAMED else ""
     return outcome.status, f"{HINTS[outcome.status]} ({when} in {', '.join(culprits[:MOST_BLAMED])}{more})"
-
-
-def in_order(events: Sequence[Floats]) -> Floats:
-    """Return the changes of mode of several components in order of time, (events, 4), read-only."""
-    rows = events[0] if len(events) == 1 else np.concatenate(events)
-    if len(events) > 1:
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    rows.flags.writeable = False
-    return rows
-
-
-def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Event, ...]:
-    """Return changes of mode with names for the numbers of ``rows``: t, block, before, after."""
-    modes: dict[int, dict[float, str]] = {}
-    events = []
-    for t, block, before, after in rows:
-        b = int(block)
-        if b not in modes:
-            modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
-        names = modes[b]
-        events.append(Event(t, diagram.blocks[b].name, names.get(before, str(before)), names.get(after, str(after))))
-    return tuple(events)
-
-
-def troubles(diagram: Diagram, ends: Ends) -> str:
-    """Return what the blocks of a failed run say of where it ended, "" if none of them knows."""
-    return "; ".join(filter(None, (block.trouble() for block in _final(diagram, ends).blocks)))
-
-
-def _final(diagram: Diagram, ends: Ends) -> Diagram:
-    blocks: list[Block] = list(diagram.blocks)
-    first = {signal: i for i, signal in enumerate(diagram.signals)}
-    for end in ends:
-        for b in end.component.blocks:
-            if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
-                values = dict(zip(blocks[b].state_names, end.states(b, len(blocks[b].x0)), strict=True))
-                values |= dict(zip(blocks[b].memory_names, end.memory(b, len(blocks[b].d0)), strict=True))
-                blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
-            if b < len(blocks) and blocks[b].sampled:
-                held = end.outputs(first[blocks[b].output_labels[0]], len(blocks[b].y0))
-                blocks[b] = blocks[b].holding(held)
-    return diagram.with_blocks(blocks).with_past(Past.of(diagram.blocks, diagram.plan_in_cells().delays, ends))

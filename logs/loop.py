@@ -17,7 +17,7 @@ from stickslip.logs.tags import Process, measurement_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LoopRecord"]
+__all__ = ["LoopRecord", "noted_loop"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -250,3 +250,13 @@ class LoopRecord(Shown):
         from stickslip.logs.figures import plot_loop
 
         return plot_loop(self)
+
+
+def noted_loop(log: Log, tag: str) -> LoopRecord:
+    """Return the loop that a log notes under a tag; raise KeyError if there is none."""
+    loop = log.loops[tag]
+    parts = {f"{part}_name": signal for part, signal in loop.parts.items()}
+    return LoopRecord(
+        log, tag, parts.pop("sp_name", None), **parts,
+        process=loop.process, measurement=loop.measurement or measurement_of(tag),
+    )  # fmt: skip

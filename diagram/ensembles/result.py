@@ -12,7 +12,8 @@ from stickslip.diagram.branches import Branches, Taken
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.ensembles.variants import Floats, Variants
 from stickslip.diagram.kinds import known_loops
-from stickslip.diagram.simulation import Event, Run, named_events, simulate
+from stickslip.diagram.run_events import Event, named_events
+from stickslip.diagram.simulation import Run, simulate
 from stickslip.engine.run import Settings
 from stickslip.engine.status import HINTS, Statistics, Status
 from stickslip.logs import Log
