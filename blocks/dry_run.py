@@ -77,7 +77,7 @@ class Clock:
         return self.t
 
 
-def _looked_at(name: str) -> Any:
+def _noticed(name: str) -> Any:
     def looks(self: Clock, *others: Any) -> Any:
         self.read = True
         return getattr(self.t, name)(*(float(other) for other in others))
@@ -87,7 +87,7 @@ def _looked_at(name: str) -> Any:
 
 for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
     for _side in ("", "r"):
-        setattr(Clock, f"__{_side}{_name}__", _looked_at(f"__{_side}{_name}__"))
+        setattr(Clock, f"__{_side}{_name}__", _noticed(f"__{_side}{_name}__"))
 for _name in [
     "lt",
     "le",
@@ -105,7 +105,7 @@ for _name in [
     "trunc",
     "round",
 ]:
-    setattr(Clock, f"__{_name}__", _looked_at(f"__{_name}__"))
+    setattr(Clock, f"__{_name}__", _noticed(f"__{_name}__"))
 
 
 def dry_run(block: "Block") -> None:

@@ -84,25 +84,25 @@ class Table:
         )
 
 
-def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str, float], float] | None:
+def row(record: LoopRecord, family: Family = features_of) -> tuple[dict[str, float], float] | None:
     """The features of a record and the travel of OP in its unit; None where it shows too little.
 
-    ``looked_for`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
+    ``family`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
     """
     loop = Prepared(record)
     view = view_of(loop)
-    return None if view is None else (looked_for(loop, view), view.travel * view.op_scale)
+    return None if view is None else (family(loop, view), view.travel * view.op_scale)
 
 
-def table(labelled: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = features_of) -> Table:
-    """The table of simulated records; ``looked_for`` as in ``row``.
+def table(labelled: Sequence[tuple[LoopRecord, Truth]], family: Family = features_of) -> Table:
+    """The table of simulated records; ``family`` as in ``row``.
 
     >>> from stickslip.calibration import draw, simulate
     >>> made = table(simulate(draw(2, seed=3)))
     >>> len(made), bool(made.sticky[0])
     (2, True)
     """
-    found = [row(record, looked_for) for record, _ in labelled]
+    found = [row(record, family) for record, _ in labelled]
     names = sorted({name for one in found if one is not None for name in one[0]})
     x = np.full((len(labelled), len(names)), np.nan)
     unit = np.full(len(labelled), np.nan)

@@ -29,7 +29,7 @@ def said(e: Evidence, percent: bool) -> str:
         days = f", in {e.agreeing} of {len(e.days)} records" if len(e.days) > 1 else ""
         jump = (
             f"A jump J of {e.J:.2g} {unit} tells {e.jump:.3g} nats more."
-            if e.J > 0.0 else "A jump explains no more than play does, so only S is stated."
+            if e.J > 0.0 else "A jump explains no more than play does, so this evidence gives S alone."
         )  # fmt: skip
         return (
             f"A stem with dead travel predicts PV better than {rival} by {e.gain:.3g} nats, by {e.without_best:.3g} "

@@ -84,8 +84,8 @@ def finding(run: Run, shown: Sequence[str]) -> str:
         if rests(y) or not np.isfinite(log[s][[0, -1]]).all():
             continue
         if abs(y[-1] - y[0]) < BACK * np.ptp(y):
-            return f"{s} moves between {_told(run, s, y.min(), False)} and {_told(run, s, y.max())}"
-        return f"{s} goes from {_told(run, s, log[s][0], False)} to {_told(run, s, log[s][-1])}"
+            return f"{s} moves between {_with_unit(run, s, y.min(), False)} and {_with_unit(run, s, y.max())}"
+        return f"{s} goes from {_with_unit(run, s, log[s][0], False)} to {_with_unit(run, s, log[s][-1])}"
     return ""
 
 
@@ -96,14 +96,14 @@ def _at_rest(run: Run, shown: Sequence[str]) -> str:
         return "at rest: nothing moves"
     if len({run.log.units.get(s, "") for s in shown}) == 1:
         most = max(moved, key=lambda s: moved[s])
-        return f"at rest: nothing moves by more than {_told(run, most, float(f'{moved[most]:.1g}'))}"
+        return f"at rest: nothing moves by more than {_with_unit(run, most, float(f'{moved[most]:.1g}'))}"
     share = max(by / float(np.nanmax(np.abs(run.log[s]))) for s, by in moved.items() if by)
     return f"at rest: nothing moves by more than {share:.1g} of its value"
 
 
 def _cycle(run: Run, s: str, found: Oscillation, trend: str) -> str:
     """An oscillation of a signal: what moves it from outside, or which stems stick, with period and amplitude."""
-    amplitude, period = _told(run, s, found.amplitude), f"{found.period:.3g} s"
+    amplitude, period = _with_unit(run, s, found.amplitude), f"{found.period:.3g} s"
     stems = _slipping(run, found.period)
     sticks = f"{_and(stems)} stick{'s' * (len(stems) == 1)}" if stems else ""
     late = later(run.log.t)
@@ -168,7 +168,7 @@ def _and(names: Iterable[str]) -> str:
     return f"{', '.join(most)} and {last}" if most else last
 
 
-def _told(run: Run, signal: str, value: float, unit: bool = True) -> str:
+def _with_unit(run: Run, signal: str, value: float, unit: bool = True) -> str:
     """A value with its unit, pressures in bar."""
     named = run.log.units.get(signal, "")
     if named == "Pa":

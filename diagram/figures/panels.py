@@ -36,14 +36,14 @@ def choose(run: Run, names: Sequence[str] | None) -> tuple[list[list[str]], list
     if names is not None:
         return panels, [], []
     if len(panels) > PANELS:
-        panels = _most_telling(run, panels)
+        panels = _most_moving(run, panels)
     shown = {s for panel in panels for s in panel}
     squashing = [s for panel in panels for s in _squashing(log, panel)]
     panels = [[s for s in panel if s not in squashing] for panel in panels]
     return panels, [s for s in chosen if s not in shown], squashing
 
 
-def _most_telling(run: Run, panels: list[list[str]]) -> list[list[str]]:
+def _most_moving(run: Run, panels: list[list[str]]) -> list[list[str]]:
     """Return ``PANELS`` panels in their order: first what controllers measure and sticking valves, last what rests."""
     diagram, log = run.final, run.log
     main = main_signals(diagram)

@@ -203,13 +203,13 @@ def _columns(
             notes += parsed.notes
         mask = parsed.good
         for column in layout.marks_of.get(name, ()):
-            told_quality = qualities(frame[column], column, flags=own)
-            if told_quality is None:
+            quality = qualities(frame[column], column, flags=own)
+            if quality is None:
                 unclear[column] = f"The quality in {column!r} cannot be recognised and is not used."
                 continue
-            mask = told_quality if mask is None else mask & told_quality
+            mask = quality if mask is None else mask & quality
             if not own:
-                notes += bad_values(name, column, told_quality, parsed.values)
+                notes += bad_values(name, column, quality, parsed.values)
         # Quality that says no more than "missing" is not worth keeping, except in a file of our own.
         if mask is not None and (layout.heading is not None or not mask.all()):
             good[name] = mask

@@ -14,7 +14,7 @@ from stickslip.logs.files.time_names import TIME_UNITS, unit_named
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Times", "times_from_numbers", "told_unit"]
+__all__ = ["Times", "stated_unit", "times_from_numbers"]
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,12 @@ _LONG_S = (600, 720, 900, 1200, 1800, 3600, 7200, 14400, 21600, 28800, 43200, 86
 _USUAL_S = (0.1, 0.2, 0.25, 0.5, 1, 2, 4, 5, 10, 15, 20, 30, 60)  # usual intervals [s] of a historian or a logger
 
 
-def told_unit(word: str) -> str:
+def stated_unit(word: str) -> str:
     """The unit that a caller names, one of ``TIME_UNITS``.
 
     Raises ReadError for others.
 
-    >>> told_unit("milliseconds")
+    >>> stated_unit("milliseconds")
     'ms'
     """
     unit = unit_named(word)

@@ -87,7 +87,7 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import diagnosed, with_told
+    from stickslip.commands.one_loop import diagnosed, with_stated
 
     many = several(files, stated)
     if len(many) > 1 or len(many[0].records) > 1:
@@ -99,7 +99,7 @@ def _check(
     from stickslip.detect.prepare.prepared import prepared
 
     (record,) = many[0].records
-    loop = prepared(with_told(record, measurement, span, stated["process"] is None))
+    loop = prepared(with_stated(record, measurement, span, stated["process"] is None))
     diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)

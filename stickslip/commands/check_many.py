@@ -64,7 +64,7 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
-    from stickslip.commands.one_loop import diagnosed, with_told
+    from stickslip.commands.one_loop import diagnosed, with_stated
     from stickslip.detect.prepare.prepared import prepared
 
     check_targets({"--html": html, "--json": json_file})
@@ -73,7 +73,7 @@ def check_many(
     found = [read for read in found if not read.fault]
     if not found:
         raise ValueError("; ".join(fault for _, fault in faults))
-    loops = [[prepared(with_told(one, measurement, None, infer=True)) for one in read.records] for read in found]
+    loops = [[prepared(with_stated(one, measurement, None, infer=True)) for one in read.records] for read in found]
     judged = [(read.file, [diagnosed(one) for one in each]) for read, each in zip(found, loops, strict=True)]
     tags = _tags(judged, loops)
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]

@@ -16,7 +16,7 @@ READ = "What was read and assumed"
 UNLIKELY = 0.01  # a cause that is less probable is not listed
 
 
-def with_told(
+def with_stated(
     record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
 ) -> "LoopRecord":
     """Return the record with the measurement that the user gives; the kind of process follows from it unless given,
