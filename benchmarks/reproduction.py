@@ -15,7 +15,7 @@ from statistics import median
 
 from stickslip.cases.kicks import FRESH, KICKS, Studies
 from stickslip.cases.random_plants import draw
-from stickslip.cases.starts import Key, fresh, judged, plant_rows, telling
+from stickslip.cases.starts import Key, fresh, grouped, judged, plant_rows
 from stickslip.plant import SETS, InfeasibleFeed
 from stickslip.plant.parameters import DEFAULT, Stem
 
@@ -72,7 +72,7 @@ def main() -> None:
     seeds, kicks = (FRESH[:1], 2) if chosen.quick else (FRESH, KICKS)
     own = fresh(DEFAULT, seeds, kicks, lambda number, *_: _tell(f"starts: {number + 1} of {len(seeds)}"))
     sets = {name: judged(plant_rows(Studies(name, kicks))) for name in SETS if name != DEFAULT}
-    everyone, nobody, rest = telling([judged(own.rows), *sets.values()])
+    everyone, nobody, rest = grouped([judged(own.rows), *sets.values()])
     figures: Figures = {"rows": len(own.sets[0])}
     figures |= dict(zip(("met", "met_least", "met_most"), own.met(), strict=True))
     figures |= {f"met_{name}": sum(of.values()) for name, of in sets.items()}

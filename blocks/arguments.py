@@ -1,4 +1,4 @@
-"""What the arguments of a block must be, checked where they come in, before any block computes with them.
+"""Checks of a block's arguments, made where they come in, before any block computes with them.
 
 A constructor says in its annotations what it wants: ``float`` is a single number of any kind, ``str`` a text.  Every
 ``Block`` subclass gets this check in front of its ``__init__``, so that a text where a number belongs is refused with
@@ -39,8 +39,8 @@ def checked(init: Callable[..., None]) -> Callable[..., None]:
             given = signature.bind(self, *args, **keywords)
         except TypeError as fault:
             raise TypeError(_shown_call(type(self), str(fault))) from None
-        told = [keywords.get("name"), given.arguments.get("name"), given.arguments.get("signal"), default]
-        block = next((name for name in told if isinstance(name, str) and name), type(self).__name__)
+        names = [keywords.get("name"), given.arguments.get("name"), given.arguments.get("signal"), default]
+        block = next((name for name in names if isinstance(name, str) and name), type(self).__name__)
         for name, kinds in wanted.items():
             if name in given.arguments:
                 given.arguments[name] = _as(kinds, block, name, given.arguments[name])

@@ -8,18 +8,19 @@ compiled.  Nothing is kept inside a block, so a call never changes it; what chan
 import copy
 import keyword
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from stickslip.blocks.arguments import by_name, checked, text
 from stickslip.blocks.control_view import ControlView
-from stickslip.blocks.declared import FREE_MODE, PARTS
+from stickslip.blocks.declared import FREE_MODE
 from stickslip.blocks.kernels import Floats, Host, Kernel, Kernels
 from stickslip.blocks.named_kernels import Names, in_arrays
 from stickslip.blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
 from stickslip.blocks.role import Role
+from stickslip.blocks.stated import check_role, checked_tolerances, one_each, start_values
 
 __all__ = ["Block", "Floats", "Host", "Kernel", "Kernels"]
 
@@ -80,7 +81,7 @@ class Block(ControlView):
         row: ArrayLike = [] if self.timetable is None else self.timetable[0, 1:]
         self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel(), np.asarray(row)])
         self.y0: Floats = (
-            np.zeros(len(self.ports_out)) if start_output is None else self._checked_outputs(start_output, name)
+            np.zeros(len(self.ports_out)) if start_output is None else one_each(start_output, self.ports_out, name)
         )
         self.units: dict[str, str] = {port.name: port.unit for port in (*self.ports_in, *self.ports_out)}
         for key, unit in (units or {}).items():
@@ -150,8 +151,8 @@ class Block(ControlView):
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.input_labels)} -> {', '.join(self.output_labels)}"
-        values = zip(self.param_names, self.p.tolist(), strict=False)
-        return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
+        values = [f"{key} = {value:g}" for key, value in zip(self.param_names, self.p.tolist(), strict=False)]
+        return shortened(f"<{type(self).__name__} '{self.name}': {ports}; {', '.join(values)}>")
 
     def going_by(self, p: Floats) -> Self:
         """Return a copy that goes by the parameters ``p`` until python-control gives others."""
@@ -200,15 +201,7 @@ class Block(ControlView):
         >>> law.with_role("controller", SP="r", PV="y", OP="u").loop_signal("PV")
         'y'
         """
-        roles = [str(known) for known in Role]
-        if role not in roles:
-            raise BlockError(f"{self.name}: role = {role!r} is none; {nearest(role, roles)}")
-        ports = [port.name for port in (*self.ports_in, *self.ports_out)]
-        for part, port in plays.items():
-            if part not in PARTS:
-                raise BlockError(f"{self.name}: '{part}' is no part in a loop; {nearest(part, PARTS)}")
-            if port not in ports:
-                raise BlockError(f"block '{self.name}' has no port '{port}'; {nearest(port, ports)}")
+        check_role(self, role, plays)
         other = self._copy()
         other.role, other.plays = Role(role), {**self.plays, **plays}
         return other
@@ -249,15 +242,7 @@ class Block(ControlView):
         >>> FirstOrder(K=3.0, tau=10.0).with_tolerances(K=0.05).relabelled("a", ["u"], ["y"]).tolerances
         {'K': 0.05}
         """
-        given = {key: number(self.name, f"tolerance of {key}", share) for key, share in shares.items()}
-        for key, share in given.items():
-            value = float(self.p[self.param_index(key)])
-            rule = "a tolerance is a share of the value, from 0 to below 1"
-            require(0.0 <= share < 1.0, self.name, f"tolerance of {key}", share, rule, "give 0.05 for 5 %")
-            known = value != 0.0 and math.isfinite(value)
-            require(
-                known or share == 0.0, self.name, key, value, "it has no share", "give tolerances to other parameters"
-            )
+        given = checked_tolerances(self, shares)
         other = self._copy()
         other.tolerances = {key: share for key, share in {**self.tolerances, **given}.items() if share > 0.0}
         return other
@@ -280,20 +265,8 @@ class Block(ControlView):
 
         Raises ``BlockError`` for an unknown name, a value that is no number, or a mode that is none of ``modes``.
         """
-        if self.modes and "mode" in values and values["mode"] not in self.modes.values():
-            modes = ", ".join(f"{value:g} ({name})" for name, value in self.modes.items())
-            raise BlockError(f"{self.name}: mode = {values['mode']!r}, but the modes are {modes}; give one of them")
         other = self._copy()
-        states, memory = self.x0.copy(), self.d0.copy()
-        for key, value in values.items():
-            if key in self.state_names:
-                states[self.state_names.index(key)] = number(self.name, key, value)
-            elif key in self.memory_names:
-                memory[self.memory_names.index(key)] = number(self.name, key, value)
-            else:
-                known = [*self.state_names, *self.memory_names]
-                raise BlockError(f"block '{self.name}' has no state '{key}'; {nearest(key, known)}")
-        other.x0, other.d0 = states, memory
+        other.x0, other.d0 = start_values(self, values)
         return other
 
     def holding(self, outputs: ArrayLike) -> Self:
@@ -302,7 +275,7 @@ class Block(ControlView):
         Raises ``BlockError`` unless there is one value per output.
         """
         other = self._copy()
-        other.y0 = self._checked_outputs(outputs, self.name)
+        other.y0 = one_each(outputs, self.ports_out, self.name)
         return other
 
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
@@ -329,12 +302,6 @@ class Block(ControlView):
         other.units = {**self.units, **units}
         return other
 
-    def _checked_outputs(self, given: ArrayLike, name: str) -> Floats:
-        outputs = np.array([number(name, "output held", value) for value in np.ravel(given).tolist()])
-        rule, n = len(outputs) == len(self.ports_out), len(self.ports_out)
-        require(rule, name, "start_output", outputs.tolist(), f"the block has {n} outputs", "give one value per output")
-        return outputs
-
     def _copy(self) -> Self:
         other = copy.copy(self)
         other.updfcn, other.outfcn = other._update, other._output
@@ -342,14 +309,10 @@ class Block(ControlView):
         return other
 
 
-def _listed(values: Iterable[tuple[str, float]]) -> str:
-    return ", ".join(f"{key} = {value:g}" for key, value in values)
-
-
 class SampledView(Block):
-    """What python-control sees of ``block`` in a continuous diagram: its samples at the solver's own steps.
+    """A sampled ``block`` in a continuous diagram of python-control; it takes samples at the solver's own steps.
 
-    See ``seen_samples``.  What is no number (NaN) is seen as 0.  ``twin`` is what slopes are taken of.
+    See ``seen_samples``.  NaN counts as 0.  ``twin`` is the continuous block that gives the slopes.
     """
 
     def __init__(self, block: Block, twin: Block | None = None) -> None:
@@ -366,7 +329,7 @@ class SampledView(Block):
 
     @property
     def twin(self) -> Block:
-        """What python-control takes slopes of."""
+        """The block from which python-control takes slopes."""
         return self._twin
 
     @property

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 
 class CompressorMap(Protocol):
-    """What a compressor asks of its map."""
+    """The numbers that a compressor reads from its map."""
 
     def psi(self, q: float, n: float = 1.0) -> float:
         """Return the head coefficient [-]."""

@@ -1,4 +1,4 @@
-"""What python-control sees of a block: a nonlinear I/O system whose functions run the kernels in plain Python."""
+"""A block as python-control sees it: a nonlinear I/O system whose functions run the kernels in plain Python."""
 
 import copy
 import math
@@ -85,7 +85,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
 
     @property
     def twin(self) -> "ControlView":
-        """What python-control takes slopes of: the view itself, unless it takes samples."""
+        """The system from which python-control takes slopes: this view itself, unless it takes samples."""
         return self
 
     @property

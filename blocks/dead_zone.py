@@ -37,7 +37,7 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 
 
 class DeadZone(OneToOne):
-    """What of ``source`` lies beyond ``low`` ... ``high`` [unit of the signal]; 0 in between.
+    """The excess of ``source`` beyond ``low`` ... ``high`` [unit of the signal]; 0 in between.
 
     ``DeadZone.of_width`` gives a zone around 0.  Raises ``BlockError`` unless low < high.
 

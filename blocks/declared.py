@@ -1,4 +1,4 @@
-"""What a block declares of itself, and the facts that follow: its ports, its role, its sampling, its limits."""
+"""The declarations of a block, and the facts that follow from them: ports, role, sampling, limits."""
 
 import math
 from collections.abc import Mapping
@@ -71,7 +71,7 @@ class Declared:
 
     @property
     def value_before(self) -> float:
-        """What stood at the inputs before the start, for the dead time to let out; 0 unless a parameter says."""
+        """The inputs before the start, which leave the dead time first; 0 unless a parameter gives them."""
         return float(self.p[self.param_names.index(self.before_param)]) if self.before_param else 0.0
 
     @property

@@ -33,7 +33,7 @@ _passed: set[object] = set()
 
 
 class Mistake(Exception):
-    """What a kernel did that it may not do."""
+    """A kernel did something that it may not do."""
 
 
 class Guarded:
@@ -77,7 +77,7 @@ class Clock:
         return self.t
 
 
-def _looked_at(name: str) -> Any:
+def _noticed(name: str) -> Any:
     def looks(self: Clock, *others: Any) -> Any:
         self.read = True
         return getattr(self.t, name)(*(float(other) for other in others))
@@ -87,7 +87,7 @@ def _looked_at(name: str) -> Any:
 
 for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
     for _side in ("", "r"):
-        setattr(Clock, f"__{_side}{_name}__", _looked_at(f"__{_side}{_name}__"))
+        setattr(Clock, f"__{_side}{_name}__", _noticed(f"__{_side}{_name}__"))
 for _name in [
     "lt",
     "le",
@@ -105,7 +105,7 @@ for _name in [
     "trunc",
     "round",
 ]:
-    setattr(Clock, f"__{_name}__", _looked_at(f"__{_name}__"))
+    setattr(Clock, f"__{_name}__", _noticed(f"__{_name}__"))
 
 
 def dry_run(block: "Block") -> None:
@@ -164,8 +164,8 @@ def _complete(block: "Block") -> None:
 
 def _linear(block: "Block") -> None:
     """Refuse a block that is not linear in each mode, but says so."""
-    if told := not_affine(block):
-        raise Mistake(f"kernel {told} is not affine, but linear=True says that it is: leave linear out")
+    if kernel := not_affine(block):
+        raise Mistake(f"kernel {kernel} is not affine, but linear=True says that it is: leave linear out")
 
 
 class _Trial:

@@ -125,7 +125,7 @@ def generated(lines: Sequence[str], function: Function | None = None, output: Fu
 def generated_for(function: FunctionType, lines: Sequence[str], name: str) -> Kernel:
     """Return the kernel with these lines as if it stood in the file of ``function``, beside which it is cached.
 
-    A fault in it is told with the place of the function.
+    An error message names the place of the function.
     """
     key = (function, name, *lines)
     if key not in _made:

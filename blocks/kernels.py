@@ -63,7 +63,7 @@ class Kernels:
 
 
 class Host(Protocol):
-    """What a sampled block runs in Python, between two calls of the engine: a filter, a detector.
+    """A part of a sampled block that runs in Python between two calls of the engine: a filter, a detector.
 
     The state is any value; it goes in and comes out, so the block itself never changes.
     """

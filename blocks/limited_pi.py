@@ -1,4 +1,4 @@
-"""What the controllers with limited output share: the kernels of a limited PI, and the mode that python-control sees.
+"""Parts that controllers with limited output share: the kernels of a limited PI, and its mode in python-control.
 
     v = K_p e + z,   OP = v limited to low ... high,   e = action (u_0 - u_1)
     dz/dt = K_p e / T_i + (OP - v) / T_t               tracking: back-calculation (T_t = 0: T_i, inf: none)

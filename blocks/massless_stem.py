@@ -1,4 +1,4 @@
-"""What stems without mass share: python-control, which knows no jumps, sees them with a little mass.
+"""Parts that stems without mass share.  Python-control knows no jumps, so it sees them with a little mass.
 
     dx/dt = v,   dv/dt = r^2 (OP - x - mode (S - J)/2) - 2 r v      mode of ``seen_stem``, breakaway (S + J)/2
 
@@ -16,7 +16,7 @@ JUMPING, SLIDING = 3000.0, 200.0  # r [1/s] of a stem with J > 0, and without: l
 
 
 class MasslessStem(Block):
-    """A stem whose parameters begin with S, J, low, high and whose memory is mode and position."""
+    """A valve stem without mass.  Its parameters begin with S, J, low and high; its memory is mode and position."""
 
     def seen_states(self) -> tuple[str, ...]:
         """Return position and speed of the stem with a little mass; none in mode "ideal", where MV = OP."""

@@ -1,4 +1,4 @@
-"""What runs over the rim of a tank.
+"""Liquid that runs over the rim of a tank.
 
     q_over = q_in - q_out     while h = top and that is not negative, else 0
 
@@ -24,7 +24,7 @@ def _out(q_in: float, q_out: float, h: float, top: float) -> float:
 
 
 class Overflow(Block):
-    """What runs over the rim at ``top`` [unit of h] of the tank whose flows and level it reads.
+    """The flow over the rim at ``top`` [unit of h] of a tank; the block reads the flows and the level of the tank.
 
     Raises ``BlockError`` unless top > 0.
 

@@ -1,4 +1,4 @@
-"""What a block is in a loop: each declares one ``role``, and pictures, linearisation and studies go by it.
+"""The role of a block in a loop.  Each block declares one; pictures, linearisation and studies use it.
 
     source       gives a signal that stands or follows a plan: a set point, a feed, a pressure outside
     disturbance  gives a signal that nobody asked for: noise, slugs

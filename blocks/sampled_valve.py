@@ -1,4 +1,4 @@
-"""What the sampled valve models share: ports, sampling, rules of their bands, and the valve behind them.
+"""Parts that sampled valve models share: ports, sampling, rules of their bands, and the valve without friction.
 
 Each takes one sample every ``dt`` seconds and holds MV in between; ``low`` and ``high`` are the ends of OP's span,
 where the stem stands on its stop; ``start`` is where OP and MV stand before the first sample.

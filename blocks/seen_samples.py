@@ -16,7 +16,7 @@ EARLY = 1e-9  # share of a period by which rounding may make a sample early
 
 
 class Sampled(Protocol):
-    """What takes samples: a block, or what is seen of one."""
+    """A block that takes samples, or its view in python-control."""
 
     def state_before(self) -> Any:
         """Return the state before the first sample."""

@@ -160,11 +160,11 @@ class Separator(Block):
         'separator is full: 81.4 of 81.9 m3 are liquid'
         """
         liquid, vessel = float(liquid_volume(self.x0, self.p)), float(self.p[0])
-        told = f"{liquid:.4g} of {vessel:.4g} m3 are liquid"
+        fill = f"{liquid:.4g} of {vessel:.4g} m3 are liquid"
         if liquid > (1.0 - NEARLY) * vessel:
-            return f"{self.name} is full: {told}"
+            return f"{self.name} is full: {fill}"
         if liquid < NEARLY * vessel:
-            return f"{self.name} has run dry: {told}"
+            return f"{self.name} has run dry: {fill}"
         for name, what in (("N_oil", "oil"), ("N_metL", "dissolved methane"), ("N_metG", "gas")):
             moles = float(self.x0[self.state_names.index(name)])
             if moles < NOTHING * float(self.x0.max()):

@@ -63,7 +63,7 @@ def Kv_from_Cv(Cv: float) -> float:
 
 @dataclass(frozen=True)
 class Sizing:
-    """What a duty asks of a valve: ``Kv`` [m3/h]; whether flow is ``choked`` or ``laminar``; expansion factor ``Y``.
+    """The valve that a duty needs: ``Kv`` [m3/h]; whether flow is ``choked`` or ``laminar``; expansion factor ``Y``.
 
     >>> round(Sizing(100.0).Cv, 1)
     115.6

@@ -1,4 +1,4 @@
-"""What the stems with mass share: spring, moving mass, dry and viscous friction, end stops.
+"""Parts that stems with mass share: spring, moving mass, dry and viscous friction, end stops.
 
     M dv/dt = k (OP - x) - F_v v - dry friction,   dx/dt = v         low <= x <= high
 

@@ -42,7 +42,7 @@ SHARE = 50  # loops that a process makes at a time
 
 @dataclass(frozen=True)
 class AtRecord:
-    """What simulation at a record's conditions says.
+    """The result of simulations under a record's own conditions.
 
     probability : float        of stiction, where half of all loops stick [-]
     causes : mapping           probability of each of ``CAUSES`` [-], largest first
@@ -79,7 +79,7 @@ class AtRecord:
 
     @property
     def sentences(self) -> tuple[str, str]:
-        """What was simulated and found, and the detection limit, in words."""
+        """The simulations, their result and the detection limit in words."""
         found = (
             f"{self.loops} loops were simulated under the conditions of this record, half of them with a sticky valve. "
             f"Among those most like it the probability of stiction is {chance(self.probability)}; if the valve sticks, "
@@ -93,7 +93,7 @@ class AtRecord:
 
 @one_thread
 def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None) -> AtRecord:
-    """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
+    """Judge a record by ``loops`` simulated loops under its own conditions; equal seeds give equal answers.
 
     ``workers`` processes (default all cores).  Raises ``ValueError`` if the record shows too little (fewer than 40 good
     samples, OP or PV that does not move), or too few of the simulated loops do.
@@ -101,7 +101,11 @@ def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: in
     See also: ``conditions`` for what is taken from the record.
     """
     begun = time.perf_counter()
-    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece, _looked))]
+    looks = [
+        (seen, shown)
+        for piece in split(record)
+        if (seen := _measured(piece)) and (shown := row(piece, _network_scores))
+    ]
     if not looks:
         conditions(record)  # says what is wrong, where it is that
         raise ValueError("the record shows too little for any feature; give a longer one in which OP and PV move")
@@ -112,7 +116,7 @@ def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: in
     if not enough:
         raise ValueError(f"{len(known)} of {loops} simulated loops show enough; give more loops, or a longer record")
     found = read(known, np.array([[shown[0][name] for name in SEEN] for _, shown in looks]))
-    return _told(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
+    return _result(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
 
 
 def together(model: float, simulated: float) -> float:
@@ -126,7 +130,7 @@ def together(model: float, simulated: float) -> float:
 
 
 def split(record: LoopRecord) -> list[LoopRecord]:
-    """Return the pieces that are looked at: the record itself, or up to ``PIECES`` of ``PIECE`` samples."""
+    """Return the pieces that are judged: the record itself, or up to ``PIECES`` of ``PIECE`` samples."""
     n = len(record)
     if n <= PIECE * 1.5:
         return [record]
@@ -168,7 +172,7 @@ def _joined(tables: Sequence[Table]) -> Table:
 
 def made_of(specs: Sequence[LoopSpec]) -> Table:
     """Return the network's scores and truth of loops, in this process."""
-    return table(simulate(specs, workers=1), _looked)
+    return table(simulate(specs, workers=1), _network_scores)
 
 
 def _measured(piece: LoopRecord) -> Conditions | None:
@@ -178,7 +182,7 @@ def _measured(piece: LoopRecord) -> Conditions | None:
         return None
 
 
-def _told(found: Reading, record: LoopRecord, travel: float, seen: Conditions, begun: float) -> AtRecord:
+def _result(found: Reading, record: LoopRecord, travel: float, seen: Conditions, begun: float) -> AtRecord:
     """Return what was read, in the unit of the record; ``travel`` of OP in its unit."""
     span = record.op_span
     scale = travel if span is None else travel * 100.0 / (span[1] - span[0])
@@ -202,6 +206,6 @@ def _amount(size: tuple[float, float, float], scale: float, unit: str) -> Amount
     return Amount(scale * value, scale * low, scale * high, unit)
 
 
-def _looked(_: Prepared, view: View) -> dict[str, float]:
+def _network_scores(_: Prepared, view: View) -> dict[str, float]:
     """One look of the network at a view."""
     return one_look(view)

@@ -141,5 +141,5 @@ def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | No
     from stickslip.calibration.scoring import score as figures
     from stickslip.detect.judge.model import FILE, Model
 
-    told = _tables(folder, [Source(setting, seed, "usual", loops)], loops, workers)
-    click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))
+    values = _tables(folder, [Source(setting, seed, "usual", loops)], loops, workers)
+    click.echo(json.dumps(figures(Model.read(file or FILE), values), indent=1))

@@ -1,4 +1,4 @@
-"""What a historian does to a record: it rounds, compresses, holds and forgets."""
+"""Defects that a historian adds to a record: it rounds, compresses, holds and loses values."""
 
 import numpy as np
 from numpy.typing import NDArray

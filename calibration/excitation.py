@@ -1,4 +1,4 @@
-"""What moves a loop from outside, computed at scan times: a wave, coloured noise, moves and a ramp in one block.
+"""An excitation of a loop from outside, computed at scan times: wave, coloured noise, moves and ramp in one block.
 
     y_k = slope t_k + A_k (wave(x_k) + B sin(2 pi x_k / second)) + sd n_k + w_k + m_k
     x_k = t_k / period + phase + a_k
@@ -69,7 +69,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 class Excitation(Seeded):
-    """What moves a loop from outside; all parts are zero unless given, and a new value comes every ``dt`` [s].
+    """An excitation from outside; all parts are zero unless given, and a new value comes every ``dt`` [s].
 
     ``shape`` one of 0 sine, 1 square, 2 saw, 3 triangle; ``amplitude``, ``sd``, ``move`` [unit of the signal];
     ``period``, ``correlation_time``, ``hold`` [s]; ``phase``, ``wander``, ``second`` [periods]; ``swell`` [-];

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from stickslip.calibration.crossed.told import crossed
+from stickslip.calibration.crossed.labelled import crossed
 from stickslip.calibration.drawing import draw
 from stickslip.calibration.simulation import simulate
 from stickslip.calibration.spec import Kinds, Setting, Truth

@@ -1,7 +1,7 @@
 """The network of convolutions (``stickslip.detect.judge.features.network``), fitted by PyTorch (extra "training").
 
 loss      -ln share of the right kind - ln share of the right side, sticky or not, which a deadband is spared
-          + ``SIZED`` (|ln S - s| / w + ln w), w told beside s, J alike, of the sticky loops
+          + ``SIZED`` (|ln S - s| / w + ln w), w estimated with s, J alike, of the sticky loops
 begun     a network to go on from: what its layers were normed by stays, and the rate is ``SLOWER``
 steps     AdamW on ``BATCH`` loops of about one length; half of them are cut to 40 to 100 % of it, half change sign;
           the rate rises over ``RISE`` loops and falls as half a cosine
@@ -32,7 +32,7 @@ MISSING = 'PyTorch fits the network: pip install "stickslip[training]", or give 
 def fit(
     loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES, begun: Network | None = None
 ) -> Network:
-    """The network of simulated loops, from nothing or going on from ``begun``; ``say`` is told the loss of each pass.
+    """The network of simulated loops, from nothing or going on from ``begun``; ``say`` gets the loss of each pass.
 
     Raises ``ImportError`` where PyTorch is not installed, ``ValueError`` where ``begun`` knows no such kind of loop.
     """
@@ -60,8 +60,8 @@ def fit(
             for group in steps.param_groups:
                 group["lr"] = rate * min(1.0, (done + BATCH) / RISE) * 0.5 * (1.0 + np.cos(np.pi * done / whole))
             with torch.autocast("cpu", torch.bfloat16):
-                z, told = (y.float() for y in model(torch.from_numpy(x), torch.from_numpy(length)))
-            loss = _loss(z, told, target[which], size[which], sticky, either)
+                z, sizes = (y.float() for y in model(torch.from_numpy(x), torch.from_numpy(length)))
+            loss = _loss(z, sizes, target[which], size[which], sticky, either)
             steps.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
@@ -72,7 +72,7 @@ def fit(
     return taken(model, kinds)
 
 
-def _loss(z: Any, told: Any, target: Any, size: Any, sticky: Any, either: Any) -> Any:
+def _loss(z: Any, sizes: Any, target: Any, size: Any, sticky: Any, either: Any) -> Any:
     import torch
     from torch.nn import functional
 
@@ -82,8 +82,8 @@ def _loss(z: Any, told: Any, target: Any, size: Any, sticky: Any, either: Any) -
     loss = functional.cross_entropy(z, target) + sides
     if not bad.any():
         return loss
-    width = told[bad, 2:].clamp(-4.0, 2.0)
-    return loss + SIZED * ((size[bad] - told[bad, :2]).abs() * torch.exp(-width) + width).mean()
+    width = sizes[bad, 2:].clamp(-4.0, 2.0)
+    return loss + SIZED * ((size[bad] - sizes[bad, :2]).abs() * torch.exp(-width) + width).mean()
 
 
 def _batches(

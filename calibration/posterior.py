@@ -1,4 +1,4 @@
-"""What simulated loops of known cause say about one record, by what the network of convolutions says of both.
+"""Judge one record by simulated loops of known cause: the network of convolutions compares them.
 
     z          log odds of stiction, ln S and ln J over the travel of OP (``stickslip.detect.judge.features.network``)
     d          distance from the record to a loop in z, each number over its spread among the loops
@@ -83,7 +83,7 @@ def log_odds(p: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Reading:
-    """What the simulated loops say of a record.
+    """The judgement of a record by simulated loops.
 
     causes : probability of each cause [-]
     S, J : value, low and high [travels of OP], interval of 90 %

@@ -48,7 +48,7 @@ class Table:
 
     names : (f,) of the features
     x : (n, f) features [-], all NaN for a record that shows too little for any
-    unit : (n,) travel of OP that S is told in [% of OP span]; NaN without features
+    unit : (n,) travel of OP in which S is stated [% of OP span]; NaN without features
     truth : what is true of each, by name of the fields of ``stickslip.calibration.Truth``, (n,)
     """
 
@@ -84,36 +84,36 @@ class Table:
         )
 
 
-def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str, float], float] | None:
+def row(record: LoopRecord, family: Family = features_of) -> tuple[dict[str, float], float] | None:
     """The features of a record and the travel of OP in its unit; None where it shows too little.
 
-    ``looked_for`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
+    ``family`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
     """
     loop = Prepared(record)
     view = view_of(loop)
-    return None if view is None else (looked_for(loop, view), view.travel * view.op_scale)
+    return None if view is None else (family(loop, view), view.travel * view.op_scale)
 
 
-def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = features_of) -> Table:
-    """The table of simulated records; ``looked_for`` as in ``row``.
+def table(labelled: Sequence[tuple[LoopRecord, Truth]], family: Family = features_of) -> Table:
+    """The table of simulated records; ``family`` as in ``row``.
 
     >>> from stickslip.calibration import draw, simulate
     >>> made = table(simulate(draw(2, seed=3)))
     >>> len(made), bool(made.sticky[0])
     (2, True)
     """
-    found = [row(record, looked_for) for record, _ in told]
+    found = [row(record, family) for record, _ in labelled]
     names = sorted({name for one in found if one is not None for name in one[0]})
-    x = np.full((len(told), len(names)), np.nan)
-    unit = np.full(len(told), np.nan)
-    for k, (one, (_, truth)) in enumerate(zip(found, told, strict=True)):
-        shown = extent(told[k][0].op)
+    x = np.full((len(labelled), len(names)), np.nan)
+    unit = np.full(len(labelled), np.nan)
+    for k, (one, (_, truth)) in enumerate(zip(found, labelled, strict=True)):
+        shown = extent(labelled[k][0].op)
         if one is not None and shown > 0.0:
             x[k] = [one[0].get(name, np.nan) for name in names]
             # the range of OP is known in % of its span from the simulation, the record may not tell the span
             unit[k] = one[1] * truth.op_range / shown
-    truths = {f.name: np.array([getattr(t, f.name) for _, t in told]) for f in fields(Truth) if f.name != "defects"}
-    truths["defects"] = np.array([" ".join(t.defects) for _, t in told])
+    truths = {f.name: np.array([getattr(t, f.name) for _, t in labelled]) for f in fields(Truth) if f.name != "defects"}
+    truths["defects"] = np.array([" ".join(t.defects) for _, t in labelled])
     return Table(np.array(names), x, unit, truths)
 
 

@@ -73,12 +73,12 @@ def _process(own: Mapping[str, float], kind: str) -> Floats:
 def _controller(own: Mapping[str, float], kind: str) -> Floats:
     """K_p with its sign, T_i, T_d, N, b and the filter's time constant [scans]."""
     K_p = own["controller.K_p"] * own["controller.action"]
-    told = [K_p, own["controller.T_i"], 0.0, 1.0, 1.0, 0.0]
+    values = [K_p, own["controller.T_i"], 0.0, 1.0, 1.0, 0.0]
     if kind == "pi_filtered":
-        told[5] = own["filter.tau"]
+        values[5] = own["filter.tau"]
     if kind == "pid_weighted":
-        told[2:5] = [own["controller.T_d"], own["controller.N"], own["controller.b"]]
-    return np.array(told)
+        values[2:5] = [own["controller.T_d"], own["controller.N"], own["controller.b"]]
+    return np.array(values)
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

@@ -4,7 +4,7 @@
     found, false alarm  shares of the sticky and of the other loops called sticky
     calibration error   mean over ten bins of |share sticky - mean probability|, weighted by the loops in each
     quiet               shares so improbable that the verdict clears them, where the record itself excludes dead travel
-    S error, J error    median of |told / true - 1| over the sticky loops that are called so
+    S error, J error    median of |estimate / true - 1| over the sticky loops that are called so
 
 A record that shows too little for any feature is never called sticky; it counts with the probability 0.5.
 """
@@ -17,7 +17,7 @@ import numpy.typing as npt
 from stickslip.calibration.records import Table
 from stickslip.detect.judge.model import Model
 
-__all__ = ["auc", "calibration_error", "score", "told"]
+__all__ = ["auc", "calibration_error", "estimates", "score"]
 
 Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -45,7 +45,7 @@ def calibration_error(p: Values, sticky: Flags, bins: int = 10) -> float:
     return float(sum(abs(float(np.sum(sticky[at == k] - p[at == k]))) for k in range(bins)) / len(p))
 
 
-def told(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
+def estimates(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
     """p(stiction) (n,), whether stiction is called, S and J (n,) [% of OP]."""
     p = np.full(len(t), 0.5)
     S, J = np.full(len(t), np.nan), np.full(len(t), np.nan)
@@ -59,7 +59,7 @@ def told(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
 
 def score(model: Model, t: Table) -> dict[str, Any]:
     """All figures of the model on a table, plain values."""
-    p, called, S, J = told(model, t)
+    p, called, S, J = estimates(model, t)
     sticky = t.sticky
     hit = called & sticky
     S_true, J_true = t.truth["S"].astype(float), t.truth["J"].astype(float)

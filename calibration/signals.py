@@ -1,4 +1,4 @@
-"""What the network learns from: signals of simulated loops, kept part by part, and the channels of them."""
+"""Training data of the network: signals of simulated loops, saved part by part, and the channels made of them."""
 
 import math
 from collections.abc import Sequence
@@ -69,9 +69,9 @@ def examples(
     x = np.zeros((len(rows), CHANNELS, MOST), dtype=np.float16)
     length = np.zeros(len(rows), dtype=np.int64)
     for i, row in enumerate(rows.iter_rows(named=True)):
-        told = seen_by(_view(row))
-        length[i] = told.shape[1]
-        x[i, :, : length[i]] = told
+        view = seen_by(_view(row))
+        length[i] = view.shape[1]
+        x[i, :, : length[i]] = view
     return Examples(
         x, length, rows["group"].to_numpy().astype(str), rows.select("S", "J").to_numpy().astype(np.float32)
     )

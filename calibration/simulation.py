@@ -44,7 +44,7 @@ QUIET: Mapping[str, float] = {"sensor.sd": 0.0, "sensor.step": 0.0}
 
 @dataclass(frozen=True)
 class Measured:
-    """What a pilot run showed: ranges of OP [% of span] and PV [% of span], and the period [s]."""
+    """Measures of a pilot run: ranges of OP [% of span] and PV [% of span], and the period [s]."""
 
     op: float
     pv: float
@@ -95,7 +95,7 @@ def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = F
     for own in batches.values():
         result = _run([specs[i] for i in own], [plans[i] for i in own], workers)
         for k, i in enumerate(own):
-            found[i] = _told(specs[i], {name: rows[k] for name, rows in result.items()}, mv)
+            found[i] = _labelled(specs[i], {name: rows[k] for name, rows in result.items()}, mv)
     return [found[i] for i in range(len(specs))]
 
 
@@ -251,7 +251,7 @@ def trouble(spec: LoopSpec, shown: Measured, time: float, length: int) -> Mappin
     return found
 
 
-def _told(spec: LoopSpec, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
+def _labelled(spec: LoopSpec, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
     """Return the record of a loop and what is true of it."""
     n = spec.samples
     op, stem = values["OP"][:n] + spec.op0, values["MV"][:n] + spec.op0

@@ -1,4 +1,4 @@
-"""What makes a simulated record, in plain numbers, and what is true of it."""
+"""The numbers that define a simulated record, and its truth."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -123,7 +123,7 @@ class LoopSpec:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is true of a simulated record.
+    """The truth of a simulated record.
 
     cause : str         one of ``CAUSES``
     group : str         as in the spec

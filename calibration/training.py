@@ -51,12 +51,12 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     for which in ("S", "J"):
         found[which] = _sizes(valves, which, max(trees // 3, 10), seed, weight[train.sticky])
         say(f"size of {which}: fitted")
-    told = hold.rows(hold.truth["cause"] != "deadband")  # dead travel, too: an alarm there is not a false one
-    z = found["sticky"](told.x)[:, 0]
-    a, b = _platt(z, told.sticky)
+    kept = hold.rows(hold.truth["cause"] != "deadband")  # dead travel, too: an alarm there is not a false one
+    z = found["sticky"](kept.x)[:, 0]
+    a, b = _platt(z, kept.sticky)
     p = 1.0 / (1.0 + np.exp(-(a * z + b)))
-    accuse = float(np.quantile(p[~told.sticky], 1.0 - ALARMS))
-    clear = float(np.quantile(p[told.sticky], CLEARED))
+    accuse = float(np.quantile(p[~kept.sticky], 1.0 - ALARMS))
+    clear = float(np.quantile(p[kept.sticky], CLEARED))
     bad = hold.rows(hold.sticky)
     widths = np.array([_widths(found[which], bad, which) for which in ("S", "J")])
     seen = np.stack([np.nanmin(train.x, axis=0), np.nanmax(train.x, axis=0)])
@@ -74,8 +74,8 @@ def _weights(t: Table) -> Values:
 
 def _target(t: Table, which: str) -> Values:
     """ln of the true size over OP's travel, less what the network says of it: trees set it right, (n,)."""
-    told = t.x[:, t.names.tolist().index(f"network_{which}")]
-    return np.asarray(np.log(t.truth[which].astype(float) / t.unit) - told)
+    estimate = t.x[:, t.names.tolist().index(f"network_{which}")]
+    return np.asarray(np.log(t.truth[which].astype(float) / t.unit) - estimate)
 
 
 def _sizes(valves: Table, which: str, trees: int, seed: int, weight: Values) -> Trees:

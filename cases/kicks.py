@@ -37,7 +37,7 @@ TREND = 100.0  # s, width of the average that is taken off the speed: the slow p
 
 @dataclass(frozen=True)
 class Study:
-    """What many starts gave: name of a number -> one value per run; ``failed`` runs are left out of it."""
+    """Results of many starts: name of a number -> one value per run; ``failed`` runs are left out of it."""
 
     numbers: Mapping[str, Floats]
     kicks: int

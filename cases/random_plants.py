@@ -27,7 +27,7 @@ ENERGY = 1e-4  # of the energy of the shaft, which closes to the tolerance only
 
 @dataclass(frozen=True)
 class RandomPlant:
-    """What is asked: the parameters, the feed where it rests and what becomes of it, valves, kick, method."""
+    """A random plant to run: parameters, the feed at rest and its later course, valves, kick, method."""
 
     number: int
     plant: "Production"
@@ -63,7 +63,7 @@ class RandomPlant:
         )
 
     def described(self) -> str:
-        """Return one line that says what is asked."""
+        """Return the request in one line."""
         sticky = ", ".join(f"{valve} {F_s:.0f} N" for valve, F_s in self.F_s.items()) or "no valve"
         values = ", ".join(f"{key} {value:.3g}" for key, value in self.values.items())
         surge = "" if self.anti_surge is True else f", anti_surge {self.anti_surge}"

@@ -1,8 +1,8 @@
-"""What holds on starts that no search has seen: the rows of the tables over several sets of starts.
+"""The rows of the tables over several sets of starts that no search has seen.
 
 Set E was found on the starts of seed 2009, so what it meets there is in part luck of these starts.  ``fresh`` runs a
 plant from sets of starts that were drawn afterwards; a row then has the median over all of them, and the share of the
-sets whose own median meets it.  ``telling`` are the rows by which sets of parameters differ: many are met by any plant
+sets whose own median meets it.  ``grouped`` finds the rows by which parameter sets differ: many are met by any plant
 of this kind, and agreement there says nothing about the parameters.
 """
 
@@ -81,10 +81,10 @@ def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, progress
     return Fresh(tuple(rows), sets, kicks)
 
 
-def telling(sets: Sequence[Mapping[Key, bool]]) -> tuple[set[Key], set[Key], set[Key]]:
-    """Return the rows that all meet, that none meets, and the telling ones, which some meet and some do not.
+def grouped(sets: Sequence[Mapping[Key, bool]]) -> tuple[set[Key], set[Key], set[Key]]:
+    """Return the rows that all meet, that none meets, and the others, which some meet and some do not.
 
-    >>> telling([{("5.4", "a"): True, ("5.4", "b"): True}, {("5.4", "a"): True, ("5.4", "b"): False}])
+    >>> grouped([{("5.4", "a"): True, ("5.4", "b"): True}, {("5.4", "a"): True, ("5.4", "b"): False}])
     ({('5.4', 'a')}, set(), {('5.4', 'b')})
     """
     keys = set(sets[0])

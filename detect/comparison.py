@@ -90,7 +90,7 @@ class Judged:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Shown):
-    """What ``compare`` gives.
+    """The result of ``compare``.
 
     loops : tuple of Judged
     skipped : tuple of (file, reason)

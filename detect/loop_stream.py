@@ -111,7 +111,7 @@ class LoopStream:
         return Prepared(self.buffer.record(self.facts))
 
     def verdicts(self) -> tuple[Verdict, ...]:
-        """What every method says now, in their order."""
+        """The present verdict of every method, in their order."""
         return tuple(map(self._said, self.methods, self.ways, self.states))
 
     def _said(self, method: Any, way: Way, state: Any) -> Verdict:

@@ -1,4 +1,4 @@
-"""What a detector is to the rest of the house: a card and a function from a record to a verdict."""
+"""A detector as the other rooms know it: a card, and a function from a record to a verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What others printed: the rows of thesis tables 2.1 and 2.2, and published shares of loops judged rightly.
+"""Published figures: the rows of thesis tables 2.1 and 2.2, and published shares of loops judged rightly.
 
 Every figure says where it stands.  "printed": read there.  "second hand": quoted by a text that we read, not seen
 ourselves.  A share is set beside ours with its 90 % interval by Wilson; the sets of loops differ, so that only a wide

@@ -28,7 +28,7 @@ STICKY = ("cycling", "excited")  # groups of loops with a sticky valve
 
 @dataclass(frozen=True)
 class Rate:
-    """What was counted for one method.
+    """The counts of one method.
 
     method : str
     sticky, others : int, loops with and without a sticky valve

@@ -1,4 +1,4 @@
-"""What each method is worth on records with a label: counted per tag, next to the trivial answers and published
+"""The scores of each method on records with a label: counted per tag, next to the trivial answers and published
 shares.
 
 Several records of one tag are one valve.  A tag is called by the majority of the records that the method decides
@@ -39,7 +39,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Score:
-    """What a method was worth over the tags: counts, see the module; ``open_tags`` were not decided."""
+    """The score of a method over the tags: counts, see the module; ``open_tags`` were not decided."""
 
     method: str
     sticky: int

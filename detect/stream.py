@@ -1,4 +1,4 @@
-"""What streaming twins share: the sample they take, the loop they know, and a buffer that never grows.
+"""Parts that streaming twins share: a sample, the facts of a loop, and a buffer of constant size.
 
 A twin is three functions: ``init(p, facts) -> state``, ``update(p, state, t, sample) -> state`` and
 ``verdict(p, state) -> Verdict``. States are values: updating one leaves the old one as it was, so a stream can
@@ -32,7 +32,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class LoopFacts:
-    """What is known about a loop before its first sample: name, process, measurement, span of OP, SP logged."""
+    """Facts of a loop that are known before its first sample: name, process, measurement, span of OP, SP logged."""
 
     name: str = ""
     process: str = "unknown"

@@ -1,4 +1,4 @@
-"""What a detector says: yes, no, undecided, or does not apply, with its number and its reason."""
+"""The verdict of a detector: yes, no, undecided, or not applicable, with its number and its reason."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ WINDOW = 2048  # samples held at most; half of them at least, once so many have 
 
 
 class Twin(Protocol):
-    """What follows a loop sample by sample; the state goes in and comes out (see ``stream``)."""
+    """A method that follows a loop sample by sample; the state goes in and comes out (see ``stream``)."""
 
     def init(self, p: Any, facts: LoopFacts | None = None) -> Any:
         """The state before the first sample."""
@@ -34,7 +34,7 @@ class Twin(Protocol):
         ...
 
     def verdict(self, p: Any, state: Any) -> Verdict:
-        """What the method says now."""
+        """The present verdict of the method."""
         ...
 
 

@@ -14,8 +14,9 @@ from stickslip.diagram.ensembles import ensemble
 from stickslip.diagram.ensembles.result import Ensemble
 from stickslip.diagram.pins import replay, replays, residuals
 from stickslip.diagram.playback import held, interpolated
+from stickslip.diagram.run_events import Event
 from stickslip.diagram.settings import Settings
-from stickslip.diagram.simulation import Event, Run, simulate
+from stickslip.diagram.simulation import Run, simulate
 from stickslip.diagram.single_block import drive
 from stickslip.diagram.wiring import WiringError
 

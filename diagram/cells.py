@@ -60,7 +60,7 @@ def watched(flat: Sequence[FlatBlock], groups: Sequence[Sequence[int]]) -> set[i
 
 
 def cut(flat: Sequence[FlatBlock], groups: Sequence[Sequence[int]], signals: int) -> Cut | None:
-    """Join ``groups`` of blocks, apart but for smooth signals, by links; None if it does not pay."""
+    """Cut a diagram into ``groups`` of blocks that only smooth signals join; return None if that saves no time."""
     if any(block.kind == HOSTED for block in flat) or len(groups) < MANY:
         return None
     driver = driver_of(flat)

@@ -52,9 +52,9 @@ def too_coarse(
         small = {name: most for name, most in small.items() if most > least}
     if not small:
         return ""
-    told = ", ".join(f"{name} (at most {most:.2g} in this run)" for name, most in list(small.items())[:6])
+    text = ", ".join(f"{name} (at most {most:.2g} in this run)" for name, most in list(small.items())[:6])
     more = f" and {len(small) - 6} more" if len(small) > 6 else ""
     return (
-        f"atol = {atol:g} is not small against {told}{more}: its error may be as large; "
+        f"atol = {atol:g} is not small against {text}{more}: its error may be as large; "
         f"give atol = {FINE * min(small.values()):.1g}"
     )

@@ -77,8 +77,8 @@ def rewired(diagram: D, name: str, port: str, signal: str, inputs: Sequence[str]
     ports = [p.name for p in block.ports_in]
     known = ports if port in ports else list(block.input_labels)
     if port not in known:
-        told = nearest(port, list(dict.fromkeys([*ports, *block.input_labels])))
-        raise WiringError(f"block '{name}' has no input '{port}'; {told}")
+        hint = nearest(port, list(dict.fromkeys([*ports, *block.input_labels])))
+        raise WiringError(f"block '{name}' has no input '{port}'; {hint}")
     labels = list(block.input_labels)
     labels[known.index(port)] = text(name, port, signal)
     blocks = list(diagram.blocks)
@@ -134,8 +134,8 @@ def _readers(diagram: Wired, signal: str, names: str | Iterable[str] | None) -> 
     for name in named:
         diagram.block_index(name)
         if name not in reading:
-            told = nearest(name, reading)
-            raise WiringError(f"block '{name}' does not read '{signal}'; {told}")
+            hint = nearest(name, reading)
+            raise WiringError(f"block '{name}' does not read '{signal}'; {hint}")
     if not named:
         raise WiringError(f"readers = [] names no reader of '{signal}'; {nearest('', reading)}; leave it out for all")
     return named

@@ -1,4 +1,4 @@
-"""What is kept of a run: at which times, of which signals, and whether the machine's memory holds it."""
+"""The log that a run keeps: its times and signals, and whether it fits into the memory of the machine."""
 
 import math
 import os

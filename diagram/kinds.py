@@ -1,10 +1,10 @@
-"""What PV does after a step of OP: it settles or it runs away, told by the diagram itself, other loops closed.
+"""The kind of a process: after a step of OP its PV settles, or runs away.  The diagram shows it, other loops closed.
 
     G(s) = PV(s)/OP(s), this loop open:    |G(j w/10)|/|G(j w)| = 1 where it settles, 10 where it integrates
 
 at w = 1e-6 rad/s, so that a time constant of weeks counts as an integrator.  A controller that measures this OP (a
 valve position controller) sees nothing of it, for it would wind up; sticky stems are seen without friction.  Where OP
-moves nothing at the start (a shut valve, a limit), or blocks have no slopes, nothing is told.
+moves nothing at the start (a shut valve, a limit), or blocks have no slopes, nothing is stated.
 """
 
 import math

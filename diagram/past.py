@@ -1,4 +1,4 @@
-"""What a run leaves under way besides states and memories, so that a diagram can go on where it ended.
+"""Signals still under way at the end of a run, in dead times and samples, so that a diagram can go on from there.
 
 It goes by the names of blocks, not by their places: whatever is changed in a diagram, what still fits goes on.
 """
@@ -18,7 +18,7 @@ Flats = Mapping[int, tuple[int, ...]]  # block -> the flat dead times in front o
 
 @dataclass(frozen=True)
 class UnderWay:
-    """What is in the dead time of one input: its length [s] and its records, oldest first, as the engine keeps them."""
+    """The content of the dead time of one input: length [s] and records, oldest first, as the engine keeps them."""
 
     theta: float
     records: Floats
@@ -26,7 +26,7 @@ class UnderWay:
 
 @dataclass(frozen=True)
 class Past:
-    """What a run left behind: its end ``t`` [s], what is in the dead times, and which blocks have taken their sample.
+    """The end of a run: time ``t`` [s], content of dead times, and which blocks have taken their sample.
 
     Part of ``run.final`` as ``Diagram.past``; ``Diagram.with_past`` gives a diagram another, or none.
     """

@@ -1,7 +1,7 @@
 """Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
@@ -15,6 +15,7 @@ from stickslip.blocks.ports import shortened
 from stickslip.diagram.branches import Branches, Taken, branching, taken
 from stickslip.diagram.coarse import ToleranceWarning, too_coarse
 from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ends import at_end, troubles
 from stickslip.diagram.flatten import DELAY_RECORDS, Ends, Plan
 from stickslip.diagram.in_python import InPython, counts, spent
 from stickslip.diagram.inputs import Inputs, close
@@ -22,6 +23,7 @@ from stickslip.diagram.kept import log_times, logging_only, wanted_signals
 from stickslip.diagram.kinds import known_loops
 from stickslip.diagram.past import Past, resumed
 from stickslip.diagram.playback import check_logged
+from stickslip.diagram.run_events import Event, in_order, named_events
 from stickslip.diagram.settings import Changes, Settings, settings_of
 from stickslip.diagram.strides import bounded
 from stickslip.diagram.wiring import WiringError
@@ -42,27 +44,17 @@ Floats = NDArray[np.float64]
 MOST_BLAMED = 6  # blocks that a hint names
 
 
-@dataclass(frozen=True)
-class Event:
-    """A change of mode: time [s], block, mode before, mode after."""
-
-    t: float
-    block: str
-    before: str
-    after: str
-
-
 @dataclass(frozen=True, repr=False)
 class Run:
-    """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
+    """The result of a simulation: log, events in order of time, status with a hint, statistics, and the end state.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``raw_events`` (events, 4) are the changes of mode in order of time: t, block, value before, value after; ``events``
-    names them.  ``notes`` say what to doubt in a run that is OK (``stickslip.diagram.coarse``,
+    names them.  ``notes`` are warnings about a run that is OK (``stickslip.diagram.coarse``,
     ``stickslip.diagram.strides``). ``final`` is the diagram at the end of the run: simulate it, changed or not, with
     ``t0`` = that time to go on (only blocks that run in Python begin anew).  ``ends`` are the engine's arrays there;
-    they are lost in a pickle. ``taken`` tells where another mode was put in place of the run's own
-    (``stickslip.diagram.branches``). ``in_python`` tells which functions could not be compiled and were called in
+    they are lost in a pickle. ``taken`` lists where another mode replaced the run's own
+    (``stickslip.diagram.branches``). ``in_python`` lists the functions that could not be compiled and were called in
     Python, how often and for how long.
     """
 
@@ -82,10 +74,10 @@ class Run:
         return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     def __repr__(self) -> str:
-        told = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
-        told += [self.hint] if self.hint else []
-        told += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
-        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
+        parts = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
+        parts += [self.hint] if self.hint else []
+        parts += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
+        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(parts)}>")
 
     def _repr_html_(self) -> str:
         from stickslip.logs.notebook import image, paragraph, table
@@ -123,7 +115,7 @@ class Run:
     @cached_property
     def final(self) -> Diagram:
         """The diagram with states, memories, held outputs and dead times as they stand at the end."""
-        return _final(self.diagram, self.ends)
+        return at_end(self.diagram, self.ends)
 
     @property
     def ok(self) -> bool:
@@ -344,53 +336,11 @@ def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: En
         return Status.OK, HINTS[Status.OK]
     component, outcome = failed
     when = f"at t = {outcome.t:.6g} s"
-    if told := troubles(diagram, ends):
-        return Status.MODEL_ENDED, f"{told} ({when})"
+    if parts := troubles(diagram, ends):
+        return Status.MODEL_ENDED, f"{parts} ({when})"
     involved = component.blocks
     if outcome.status is Status.CHATTERING and len(outcome.events):
         involved = tuple(dict.fromkeys(outcome.events[-MOST_BLAMED:, 1].astype(int).tolist()))
     culprits = [diagram.blocks[b].name for b in involved if b < len(diagram.blocks)]
     more = f" and {len(culprits) - MOST_BLAMED} more" if len(culprits) > MOST_BLAMED else ""
     return outcome.status, f"{HINTS[outcome.status]} ({when} in {', '.join(culprits[:MOST_BLAMED])}{more})"
-
-
-def in_order(events: Sequence[Floats]) -> Floats:
-    """Return the changes of mode of several components in order of time, (events, 4), read-only."""
-    rows = events[0] if len(events) == 1 else np.concatenate(events)
-    if len(events) > 1:
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    rows.flags.writeable = False
-    return rows
-
-
-def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Event, ...]:
-    """Return changes of mode with names for the numbers of ``rows``: t, block, before, after."""
-    modes: dict[int, dict[float, str]] = {}
-    events = []
-    for t, block, before, after in rows:
-        b = int(block)
-        if b not in modes:
-            modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
-        names = modes[b]
-        events.append(Event(t, diagram.blocks[b].name, names.get(before, str(before)), names.get(after, str(after))))
-    return tuple(events)
-
-
-def troubles(diagram: Diagram, ends: Ends) -> str:
-    """Return what the blocks of a failed run say of where it ended, "" if none of them knows."""
-    return "; ".join(filter(None, (block.trouble() for block in _final(diagram, ends).blocks)))
-
-
-def _final(diagram: Diagram, ends: Ends) -> Diagram:
-    blocks: list[Block] = list(diagram.blocks)
-    first = {signal: i for i, signal in enumerate(diagram.signals)}
-    for end in ends:
-        for b in end.component.blocks:
-            if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
-                values = dict(zip(blocks[b].state_names, end.states(b, len(blocks[b].x0)), strict=True))
-                values |= dict(zip(blocks[b].memory_names, end.memory(b, len(blocks[b].d0)), strict=True))
-                blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
-            if b < len(blocks) and blocks[b].sampled:
-                held = end.outputs(first[blocks[b].output_labels[0]], len(blocks[b].y0))
-                blocks[b] = blocks[b].holding(held)
-    return diagram.with_blocks(blocks).with_past(Past.of(diagram.blocks, diagram.plan_in_cells().delays, ends))

@@ -1,4 +1,4 @@
-"""What is said of a run whose steps were bounded because some of its functions follow the time.
+"""Notes on a run whose steps were bounded, because some of its functions follow the time.
 
 ``stickslip.engine.probing`` finds the bounds from a few hundred values of each function; whoever knows better gives
 ``max_step``.
@@ -27,17 +27,17 @@ def bounded(blocks: Sequence[Block], bounds: Sequence[Bound]) -> tuple[str, ...]
         if not some:
             continue
         names = list(dict.fromkeys(blocks[bound.block].name for bound in some))
-        told = ", ".join(names[:MOST]) + (f" and {len(names) - MOST} more" if len(names) > MOST else "")
+        text = ", ".join(names[:MOST]) + (f" and {len(names) - MOST} more" if len(names) > MOST else "")
         step = f"steps are at most {min(bound.step for bound in some):.3g} s"
         if guessed:
             notes.append(
-                f"{step}, a guess (a thousandth of the run): {told} follows the time, and its values tell no scale, "
+                f"{step}, a guess (a thousandth of the run): {text} follows the time, and its values show no scale, "
                 "because they are no numbers at the start or change within any interval; "
                 "give max_step = a tenth of what is shortest in it [s]"
             )
         else:
             notes.append(
-                f"{step}, as far as 256 values of {told} over the run tell how fast it follows the time; "
+                f"{step}, as far as 256 values of {text} over the run show how fast it follows the time; "
                 "if something in it lasts less than a 256th of the run, give max_step = a tenth of that [s]"
             )
     return tuple(notes)

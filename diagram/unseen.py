@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from stickslip.blocks.block import Block
 
-_told: set[type[Block]] = set()
+WARNED: set[type[Block]] = set()
 
 
 class UnseenWarning(UserWarning):
@@ -15,9 +15,9 @@ class UnseenWarning(UserWarning):
 def warn_of_unseen(blocks: Iterable[Block]) -> None:
     """Warn (``UnseenWarning``) of every kind of block of which python-control loses something, once per process."""
     for block in blocks:
-        lost = "" if type(block) in _told else block.unseen()
+        lost = "" if type(block) in WARNED else block.unseen()
         if lost:
-            _told.add(type(block))
+            WARNED.add(type(block))
             warnings.warn(
                 f"python-control does not see {lost} of {type(block).__name__} '{block.name}'; "
                 "stickslip.diagram.simulate(diagram, duration) does",

@@ -195,8 +195,9 @@ def remedies() -> str:
 
 
 def card(title: str, what: str, doc: str, facts: dict[str, str], code: Sequence[str]) -> str:
-    """Return the script of a card."""
-    text = [title, "=" * len(title), "", *([f"{what}.", ""] if what else []), *as_rst(said(doc)), ""]
+    """Return the script of a card; ``what`` it is goes first, unless the docstring begins so."""
+    first = [] if not what or " ".join(doc.split()).startswith(what) else [f"{what}.", ""]
+    text = [title, "=" * len(title), "", *first, *as_rst(said(doc)), ""]
     text += [f"- **{key}**: {as_rst([fact])[0]}" for key, fact in facts.items() if fact]
     return "\n".join(['r"""', *text, '"""', "", "# %%", *code, ""])
 

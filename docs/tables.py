@@ -4,14 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from stickslip.detect.cards import (
-    OUTLINE_COLUMNS,
-    PUBLISHED_COLUMNS,
-    RATE_COLUMNS,
-    outline_rows,
-    published_rows,
-    rate_rows,
-)  # fmt: skip
+from stickslip.detect import cards
 from stickslip.detect.rates import described
 
 PAGES = [Path(__file__).parent / "methods.md", Path(__file__).parent / "evidence" / "methods_measured.md"]
@@ -33,9 +26,9 @@ def markdown(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def tables() -> dict[str, str]:
     """Every table of the page by its name."""
     return {
-        "outline": markdown(OUTLINE_COLUMNS, outline_rows()),
-        "rates": f"{markdown(RATE_COLUMNS, rate_rows())}\n\n{described()}",
-        "published": markdown(PUBLISHED_COLUMNS, published_rows()),
+        "outline": markdown(cards.OUTLINE_COLUMNS, cards.outline_rows()),
+        "rates": f"{markdown(cards.RATE_COLUMNS, cards.rate_rows())}\n\n{described()}",
+        "published": markdown(cards.PUBLISHED_COLUMNS, cards.published_rows()),
     }
 
 

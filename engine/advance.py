@@ -128,7 +128,7 @@ def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-u
             write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new), min(1.0, crossing))
         if h_used > APART:
             I[CHAIN] = 0
-        # over a long stiff step the states leave an instant with other slopes than the rates that events are told
+        # over a long stiff step the states leave an instant with other slopes than the rates that events are given
         I[CROWDED] = I[METHOD] == 1 and crossing <= 1.0 and h_used <= APART
         W[T] = t_new
         if I[HAS_DELAYS]:

@@ -172,7 +172,7 @@ def run_from(  # type: ignore[no-untyped-def]
     """Advance on one branch from the stop before ``first`` to stop ``k``; return its status and its worst pin there.
 
     ``past_I``, ``past_W``: what was there before each of the last stops, that of stop k in row k modulo their number;
-    those behind ``first`` are written anew.  Infinite if a stop on the way fits less than it did.
+    those behind ``first`` are written anew.  The worst pin is infinite if a stop on the way fits worse than before.
     """
     ring, size, saved = len(past_I), past_I.shape[1], past_W.shape[1]
     ints[:size] = past_I[first % ring]

@@ -145,19 +145,19 @@ class _Compiled(CFunc):
 
     def _compile_uncached(self) -> Any:
         code = self._pyfunc.__code__
-        told = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
+        found = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
         self._compiler.py_func = frozen(self._pyfunc, njit(error_model=OPTIONS["error_model"]))
         try:
             made = super()._compile_uncached()  # type: ignore[misc]
         except Exception as error:  # numba's own errors, and plain ones for what it did not expect
             raise KernelError(
-                f"{told} cannot be compiled: {_first_words(error)}; a kernel is made of numbers, arithmetic, math "
+                f"{found} cannot be compiled: {_first_words(error)}; a kernel is made of numbers, arithmetic, math "
                 "functions, conditions, loops, and helpers made of the same"
             ) from error
         made.library.finalize()
         if not self.trusted and BACK_TO_PYTHON in made.library.get_llvm_str():
             raise KernelError(
-                f"{told} could raise an error or print while it runs, which compiled code cannot: take out raise, "
+                f"{found} could raise an error or print while it runs, which compiled code cannot: take out raise, "
                 "assert, print, and lists or tuples with an index that is not constant; refuse bad parameters in "
                 "check(), and write NaN where there is no answer, which ends a run with status NOT_FINITE"
             )
@@ -165,12 +165,12 @@ class _Compiled(CFunc):
 
 
 def _first_words(error: Exception) -> str:
-    """Return what a compiler's message says, without its tour of the sources."""
+    """Return the line of a compiler's message that names the fault."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    told = [
+    found = [
         line for line in lines if not line.startswith(("Failed in", "During:", "File ", "- ", "Overload", "There "))
     ]
-    return (told or lines or ["no reason given"])[0].rstrip(".:")
+    return (found or lines or ["no reason given"])[0].rstrip(".:")
 
 
 def any_in_python() -> bool:
@@ -188,10 +188,10 @@ def _in_short(error: Exception) -> str:
     """Return what a compiler has against the function that the kernel calls, without headings and addresses."""
     text = re.sub(r"\x1b\[[0-9;]*m| at 0x[0-9a-f]+|(?<=')/[^']*/(?=[^/']+')", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    told = [i for i in range(1, len(lines)) if "Failed in" in lines[i - 1] and "Failed in" not in lines[i]]
-    if not told:
+    found = [i for i in range(1, len(lines)) if "Failed in" in lines[i - 1] and "Failed in" not in lines[i]]
+    if not found:
         return lines[0][:200] if lines else type(error).__name__
-    place = told[min(1, len(told) - 1)]  # the first says only that the kernel's own call failed
+    place = found[min(1, len(found) - 1)]  # the first says only that the kernel's own call failed
     return " ".join(lines[place : place + 1 + lines[place].endswith(":")])[:200]
 
 

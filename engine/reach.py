@@ -54,7 +54,7 @@ class Reached(Watched):
                 self.hold(value, _digest_of_contents)
 
     def _once(self, value: Any, names: frozenset[str]) -> tuple[str, ...]:
-        """Return the number of what has been told already, nothing for what is new."""
+        """Return the number of what has been digested already, nothing for what is new."""
         key = (id(value), names)
         if key in self._seen:
             return (f"again {self._seen[key]}",)
@@ -159,8 +159,8 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 def _digest(facts: Iterator[str | bytes]) -> str:
     digest = hashlib.sha256(VERSIONS.encode())
     for fact in facts:
-        told = fact.encode() if isinstance(fact, str) else fact
-        digest.update(b"%d:" % len(told) + told)
+        content = fact.encode() if isinstance(fact, str) else fact
+        digest.update(b"%d:" % len(content) + content)
     return digest.hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""What enters the dead times during a step: written behind it, and not stepped over when it comes out.
+"""Signals that enter dead times during a step: they are recorded, and no step jumps over the instant they leave.
 
 ``delay`` keeps and reads the records; here the states between the ends of a step are turned into signals, and the
 breakpoints ahead into stops.

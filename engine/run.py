@@ -34,7 +34,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came out of one component: log rows (signals x times), events (t, block, from, to), status, end."""
+    """The result of one component: log rows (signals x times), events (t, block, from, to), status, end."""
 
     log: Floats
     events: Floats

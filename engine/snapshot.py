@@ -90,7 +90,7 @@ class Snapshot(NamedTuple):
     # --- cost -----------------------------------------------------------------------------------------------
     @property
     def counts(self) -> NDArray[np.int64]:
-        """What the run cost so far, in the order of ``COUNTERS``."""
+        """The cost of the run so far, in the order of ``COUNTERS``."""
         counts: NDArray[np.int64] = self.I[_COUNTED]
         return counts
 

@@ -86,7 +86,7 @@ def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def bent(B, G):  # type: ignore[no-untyped-def]
-    """Return whether slopes have a bend, which stands in the last column."""
+    """Return whether slopes have a bend; the last column is its size."""
     q = B.shape[1] - 1
     return np.any(B[:, q] != 0.0) or np.any(G[:, q] != 0.0)
 

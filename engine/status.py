@@ -53,7 +53,7 @@ HINTS: dict[Status, str] = {
 
 @dataclass(frozen=True)
 class Statistics:
-    """What one run cost: accepted and rejected steps, right-hand sides, Jacobians, events [-]."""
+    """The cost of one run: accepted and rejected steps, right-hand sides, Jacobians, events [-]."""
 
     steps: int = 0
     rejected: int = 0

@@ -1,4 +1,4 @@
-"""What the wiring of a component says before any number is known.
+"""Facts that follow from the wiring of a component alone, before any number is known.
 
 Which blocks follow which state at once, which stand still between two instants, which must be evaluated for the
 state rates or for the event functions only, and where the Jacobian can be other than zero.  All of it is worked out

@@ -1,4 +1,4 @@
-"""What stood under names when it was looked at, and whether it still does; it is asked before each run, hence quick."""
+"""A check that names still stand for the same values.  It is made before each run, so it is quick."""
 
 from collections.abc import Callable, Iterable
 from operator import is_
@@ -44,7 +44,7 @@ class Watched:
         return values
 
     def hold(self, value: Any, digest: Callable[[Any], str]) -> None:
-        """Keep what a value contains now, told by its ``digest``."""
+        """Keep what a value contains now, as its ``digest``."""
         self.held.append((digest, value, digest(value)))
 
     def changed(self) -> bool:

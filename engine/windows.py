@@ -178,7 +178,7 @@ def instants(ints, cells):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def look_around(ints, floats, cells, links, lines):  # type: ignore[no-untyped-def]
-    """Write the present values of what the links hand over to ``lines``; they are told by the states alone."""
+    """Write the present values of what the links hand over to ``lines``; they follow from the states alone."""
     for c in range(cells.shape[0] - 1):
         I, W = pointer_to(ints[cells[c, CELL_I] :]), pointer_to(floats[cells[c, CELL_W] :])
         if cells[c, CELL_LINKS] < cells[c + 1, CELL_LINKS]:

@@ -1,4 +1,4 @@
-"""What historians and networks do to clean signals, for tests and demonstrations; repeatable by seed."""
+"""Damage that historians and networks do to clean signals, for tests and demonstrations; repeatable by seed."""
 
 from __future__ import annotations
 

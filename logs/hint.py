@@ -1,4 +1,4 @@
-"""What to say of a name that is unknown: the nearest known one, and which there are.
+"""The hint for an unknown name: the nearest known name, and the list of all.
 
 It stands in ``logs``, which imports nothing of the house and which all other rooms may import, so that every message
 of the house has its hint from here.

@@ -290,15 +290,9 @@ class Log:
         )
 
     def _noted_loop(self, tag: str) -> LoopRecord:
-        from stickslip.logs.loop import LoopRecord
-        from stickslip.logs.tags import measurement_of
+        from stickslip.logs.loop import noted_loop
 
-        loop = self.loops[tag]
-        parts = {f"{part}_name": signal for part, signal in loop.parts.items()}
-        return LoopRecord(
-            self, tag, parts.pop("sp_name", None), **parts,
-            process=loop.process, measurement=loop.measurement or measurement_of(tag),
-        )  # fmt: skip
+        return noted_loop(self, tag)
 
     def loop_records(self) -> tuple[LoopRecord, ...]:
         """Every loop noted in ``loops``, or, where none is, the one of PV and OP.

@@ -17,7 +17,7 @@ from stickslip.logs.tags import Process, measurement_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["LoopRecord"]
+__all__ = ["LoopRecord", "noted_loop"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -235,7 +235,7 @@ class LoopRecord(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was assumed, repaired or is missing, one sentence each."""
+        """Assumptions, repairs and missing parts, one sentence each."""
         own = []
         if self.sp_name is None:
             own.append("SP is not logged: e = SP - PV is not known.")
@@ -250,3 +250,13 @@ class LoopRecord(Shown):
         from stickslip.logs.figures import plot_loop
 
         return plot_loop(self)
+
+
+def noted_loop(log: Log, tag: str) -> LoopRecord:
+    """Return the loop that a log notes under a tag; raise KeyError if there is none."""
+    loop = log.loops[tag]
+    parts = {f"{part}_name": signal for part, signal in loop.parts.items()}
+    return LoopRecord(
+        log, tag, parts.pop("sp_name", None), **parts,
+        process=loop.process, measurement=loop.measurement or measurement_of(tag),
+    )  # fmt: skip

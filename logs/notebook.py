@@ -1,4 +1,4 @@
-"""What a notebook shows of a log and of a picture, as HTML."""
+"""A log and a picture as HTML, for a notebook."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from stickslip.logs.notebook import png
 
 
 class Picture(Figure):
-    """What every ``.plot()`` of the house returns: a matplotlib figure, with its image for a notebook."""
+    """The picture that every ``.plot()`` returns: a matplotlib figure, with its image for a notebook."""
 
     def _repr_png_(self) -> bytes:
         return png(self)

@@ -1,4 +1,4 @@
-"""What every result shows of itself: one line as its ``repr``, and in a notebook that line with its picture."""
+"""The display of results: one line as ``repr``, and in a notebook that line with the picture."""
 
 from textwrap import shorten
 from typing import TYPE_CHECKING

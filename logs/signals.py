@@ -49,7 +49,7 @@ class Signals(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader assumed or repaired."""
+        """Assumptions and repairs of the reader."""
 
     @property
     def names(self) -> tuple[str, ...]:

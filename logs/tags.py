@@ -1,4 +1,4 @@
-"""What an instrument tag says about its loop (ISA-5.1: the first letter is the measured variable)."""
+"""The meaning of an instrument tag (ISA-5.1: the first letter is the measured variable)."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def valve_in(name: str) -> str:
 
 
 def measurement_of(tag: str) -> str:
-    """The measured variable by the first letter of the tag in ``tag``, "" when it cannot be told.
+    """The measured variable by the first letter of the tag in ``tag``, "" when the letter says nothing.
 
     >>> [measurement_of(tag) for tag in ("FC145", "LIC106", "12-PIC-7", "TIC_1203A", "AC1", "PAP2")]
     ['flow', 'level', 'pressure', 'temperature', 'analyser', '']
@@ -75,7 +75,7 @@ def measurement_of(tag: str) -> str:
 
 
 def measurement_in(unit: str) -> str:
-    """The measured variable by the unit of PV, "" when it cannot be told; a content in m3 counts as a level.
+    """The measured variable by the unit of PV, "" when the unit says nothing; a content in m3 counts as a level.
 
     >>> [measurement_in(unit) for unit in ("Pa", "m3", "m3/h", "%", "")]
     ['pressure', 'level', 'flow', '', '']

@@ -45,7 +45,7 @@ def draw_signal(
 
 
 def _dense(y: Values) -> bool:
-    """Whether a signal (n,) goes up and down so often that its line would cover all of the ground between."""
+    """Whether a signal (n,) goes up and down so often that its line would fill the picture."""
     if len(y) <= POINTS:
         return False
     around = np.sign(y - np.nanmedian(y)) if np.isfinite(y).any() else y

@@ -7,9 +7,9 @@ Set B fits tables 5.4 and 6.1 (constant feed), set A case 2 (sine); they differ 
 About a dozen unknowns were fitted to the sixteen numbers of table 5.4, so agreement there is a fit, not a
 prediction.  Set C serves both cases with one number fitted: it reads both pressure gains as printed times one thousand
 (5e-7 and 3e-7 /Pa: table 5.1 then is in kmol or kPa), which leaves the drop D over VPCS1.  Set E serves both cases
-best, with five numbers found by search; ``stickslip.cases.choice`` shows how, and what hangs on it; it is the
-``DEFAULT``.  Its map gives no head at the flow that the thesis prints as C2's design, q = 1 (psi = -0.03), which a
-compressor bought for that flow would not do: the plant works at q = 0.49 to 0.78, rests at 0.68, and only that was
+best, with five numbers found by search; ``stickslip.cases.choice`` shows the search and its sensitivity.  Set E is the
+``DEFAULT``.  The thesis prints q = 1 as the design flow of C2.  The map of set E gives no head there (psi = -0.03), as
+no real compressor would.  The plant works at q = 0.49 to 0.78 and rests at 0.68; only that was
 fitted.  Limit cycles of this plant depend on where they start: compare bands over many starts, not one run.
 """
 

@@ -50,7 +50,7 @@ class CompressorRest:
 
 @dataclass(frozen=True)
 class Design:
-    """What follows from the design point: head scales [J/kg] and resistances [kg/s/sqrt(Pa)]."""
+    """Numbers that follow from the design point: head scales [J/kg] and resistances [kg/s/sqrt(Pa)]."""
 
     h_d2: float
     h_d3: float

@@ -1,4 +1,4 @@
-"""What changed since the last scan of a plant, loop by loop."""
+"""Changes since the last scan of a plant, loop by loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Change", "changes"]
 
 @dataclass(frozen=True)
 class Change:
-    """One loop whose verdict is another than last time.
+    """A loop whose verdict differs from that of the last scan.
 
     before, now : str
         Verdicts; "" where the loop was or is not there.

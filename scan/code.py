@@ -1,4 +1,4 @@
-"""What of the code makes the rows of a scan: rows of two versions must not stand in one table."""
+"""A digest of the code that makes the rows of a scan: rows of two versions must not share a table."""
 
 import hashlib
 from functools import lru_cache

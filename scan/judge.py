@@ -42,7 +42,7 @@ def judged(job: Job, number: int) -> list[Row]:
 
 
 def row_of(record: LoopRecord) -> Row:
-    """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
+    """Return the row of one record: the calibrated answer and the oscillation, without the single methods."""
     from stickslip.detect.judge.over_days import answer_over_days
     from stickslip.detect.prepare.prepared import prepared
 

@@ -22,7 +22,7 @@ class LoopTags:
     sp, mv, mode : str or None
         None where there is none.
     process : {"self_regulating", "integrating", "unknown"} or None
-        None: told by the tag.
+        None: recognised by the tag.
     op_span : (low, high) or None
         Span of OP in its unit.
     unit : str
@@ -71,8 +71,8 @@ def read_map(path: str | os.PathLike[str]) -> tuple[LoopTags, ...]:
     missing = [column for column in ("loop", "pv", "op") if column not in names]
     other = [column for column in names if column not in COLUMNS]
     if missing or other:
-        told = f"has no column {missing[0]!r}" if missing else f"has a column {other[0]!r} that means nothing here"
-        raise ReadError(f"{name}: the loop map {told}; its columns are {', '.join(COLUMNS)}")
+        wrong = f"has no column {missing[0]!r}" if missing else f"has a column {other[0]!r} that means nothing here"
+        raise ReadError(f"{name}: the loop map {wrong}; its columns are {', '.join(COLUMNS)}")
     frame = frame.rename(dict(zip(frame.columns, names, strict=True)))
     found: dict[str, LoopTags] = {}
     for line, row in enumerate(frame.iter_rows(named=True), start=2):

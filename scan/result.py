@@ -42,8 +42,8 @@ class ScanResult(Shown):
     @property
     def headline(self) -> str:
         """The result in one line."""
-        told = ", ".join(f"{count} {word}" for word, count in self.counts.items())
-        return f"{len(self.table)} loops of {self.source}: {told}"
+        counts = ", ".join(f"{count} {word}" for word, count in self.counts.items())
+        return f"{len(self.table)} loops of {self.source}: {counts}"
 
     @property
     def counts(self) -> dict[str, int]:

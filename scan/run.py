@@ -33,11 +33,11 @@ class ScanError(ValueError):
     """A scan cannot be done as asked."""
 
 
-def _told(wanted: Any, found: Any) -> list[str]:
+def _differences(wanted: Any, found: Any) -> list[str]:
     return differences(wanted, found, PHRASES)
 
 
-KEPT = Kept("scan", SCHEMA, "order", ScanError, _told)
+KEPT = Kept("scan", SCHEMA, "order", ScanError, _differences)
 
 
 def scan(

@@ -44,7 +44,7 @@ class Job:
         A file that holds its own loops; columns of a wide file; tags of a long file; one file for every tag.
     files : tuple of str
     loops : tuple of (str, tuple of str)
-        Each loop with its columns, tags or files; empty for "file", which tells its loops when it is read.
+        Each loop with its columns, tags or files; empty for "file", whose loops are found when it is read.
     beside : tuple of str
         Columns that every loop needs: time and, in a long table, tag, value and quality.
     mapped : tuple of LoopTags
@@ -70,9 +70,9 @@ class Job:
                 yield loop, _without_source(fault), place
 
     def _record(self, loop: str, frame: pl.DataFrame) -> LoopRecord:
-        told = next((tags for tags in self.mapped if tags.loop == loop), None)
-        if told is not None:
-            return told.read(frame)
+        known = next((tags for tags in self.mapped if tags.loop == loop), None)
+        if known is not None:
+            return known.read(frame)
         records = read_loops(frame)
         return next((record for record in records if record.name == loop), records[0])
 
@@ -135,7 +135,7 @@ def source_of(given: str | os.PathLike[str], kept: Path, mapped: tuple[LoopTags,
     """The source that ``given`` names: a folder, a file, or ``duckdb:SELECT ...``.
 
     Parameters: ``kept`` (path) Folder for the Parquet file that a text file of many loops or a query is turned into;
-    ``mapped`` Loops of a loop map; without one, loops are told by their tags.
+    ``mapped`` Loops of a loop map; without one, loops are recognised by their tags.
 
     Raises ReadError if there is no such source or it holds no loop.
     """
@@ -178,11 +178,11 @@ def _apart(files: list[Path]) -> tuple[list[Path], dict[str, list[Path]]]:
     groups: dict[str, list[Path]] = {}
     parts: dict[str, set[str]] = {}
     for file in files:
-        told = role_of(file.stem)
-        if told is not None and told[0]:
-            key = f"{file.parent}/{told[0]}"
+        known = role_of(file.stem)
+        if known is not None and known[0]:
+            key = f"{file.parent}/{known[0]}"
             groups.setdefault(key, []).append(file)
-            parts.setdefault(key, set()).add(told[1])
+            parts.setdefault(key, set()).add(known[1])
     tags = {key: found for key, found in groups.items() if "PV" in parts[key] and parts[key] & {"OP", "MV"}}
     taken = {file for found in tags.values() for file in found}
     return [file for file in files if file not in taken], {Path(key).name: found for key, found in tags.items()}
@@ -269,7 +269,7 @@ def _of_long(
     import polars as pl
 
     tags = pl.scan_parquet(path).select(pl.col(long.tag).unique().sort()).collect()[long.tag].cast(pl.String).to_list()
-    found = {told.loop: told.columns for told in mapped} or columns_of_loops([tag for tag in tags if tag])
+    found = {known.loop: known.columns for known in mapped} or columns_of_loops([tag for tag in tags if tag])
     if not found:
         raise ReadError(f"{name}: no tag has both a PV and an output; name the loops in a map (--map loops.csv)")
     beside = tuple(column for column in (long.tag, time, long.value, long.quality) if column)

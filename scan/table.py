@@ -37,7 +37,7 @@ def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
 def ranked(table: pl.DataFrame) -> pl.DataFrame:
     """Return the table ranked, with the columns ``rank`` and ``group``.
 
-    Rows stand by verdict, then by probability, then in their order; ``together`` says what a group is."""
+    Rows are ordered by verdict, then by probability, then as before; ``together`` says what a group is."""
     import polars as pl
 
     place = pl.col("verdict").replace_strict(

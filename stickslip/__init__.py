@@ -23,7 +23,7 @@ from importlib import import_module
 if not os.path.isdir(os.path.join(__path__[0], "blocks")):  # a checkout: the rooms stand beside this folder
     __path__.append(os.path.dirname(__path__[0]))
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Diagram", "Log", "LoopRecord", "Settings", "blocks", "cases", "compare", "detect", "diagnose", "diagram", "drive",
     "ensemble", "fit", "gap", "logs", "plant", "read_log", "read_loop", "read_loops", "remedies", "remedy", "replay",

@@ -1,4 +1,4 @@
-"""What a study varies: axes of listed values, which form a grid, and axes drawn at random."""
+"""The axes of a study: those with listed values form a grid, the others are random."""
 
 import math
 import re
@@ -30,17 +30,17 @@ class Law:
     b: float
 
     def __post_init__(self) -> None:
-        told = f"{self.law}({self.a:g}, {self.b:g})"
+        shown = f"{self.law}({self.a:g}, {self.b:g})"
         if self.law not in LAWS:
             raise StudyError(f"there is no law '{self.law}'; {nearest(self.law, LAWS)}")
         if not (math.isfinite(self.a) and math.isfinite(self.b)):
-            raise StudyError(f"{told}: both numbers must be finite")
+            raise StudyError(f"{shown}: both numbers must be finite")
         if self.law == "normal" and self.b <= 0.0:
-            raise StudyError(f"{told}: the standard deviation must be positive")
+            raise StudyError(f"{shown}: the standard deviation must be positive")
         if self.law != "normal" and self.a >= self.b:
-            raise StudyError(f"{told}: the first number must be below the second; exchange them")
+            raise StudyError(f"{shown}: the first number must be below the second; exchange them")
         if self.law == "loguniform" and self.a <= 0.0:
-            raise StudyError(f"{told}: even ratios need positive limits; take uniform")
+            raise StudyError(f"{shown}: even ratios need positive limits; take uniform")
 
     def __str__(self) -> str:
         return f"{self.law}({self.a!r},{self.b!r})"
@@ -90,7 +90,7 @@ class Axis:
 
     @property
     def column(self) -> str:
-        """What the axis is called in the table."""
+        """The name of the axis in the table."""
         return self.name if self.kind == "vary" or self.as_vary else f"{self.kind}.{self.name}"
 
     @property

@@ -1,4 +1,4 @@
-"""What a study found, as numbers: one table, read by columns, amplitudes in % and axes that vary."""
+"""The findings of a study as numbers: one table with amplitudes in % and the axes that vary."""
 
 import math
 from collections.abc import Mapping
@@ -36,9 +36,9 @@ class Findings(Shown):
     @property
     def headline(self) -> str:
         """The result in one line."""
-        told = ", ".join(f"{count} {name}" for name, count in self.counts().items() if count)
+        counts = ", ".join(f"{count} {name}" for name, count in self.counts().items() if count)
         varied = ", ".join(axis.name for axis in self.varied()) or "nothing"
-        return f"'{self.request['subject']}' over {varied}: {told}"
+        return f"'{self.request['subject']}' over {varied}: {counts}"
 
     def counts(self) -> dict[str, int]:
         """Return how many runs are ok, infeasible, refused, failed."""

@@ -1,4 +1,4 @@
-"""What the pictures of a study share: the heading, and log axes with plain numbers."""
+"""Parts that pictures of a study share: the heading, and log axes with plain numbers."""
 
 from typing import TYPE_CHECKING
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 DECADES = 5.0  # below the largest amplitude an oscillation is rounding
 
 
-def head(figure: "Figure", result: Findings, told: str) -> None:
+def head(figure: "Figure", result: Findings, subtitle: str) -> None:
     """Write what was studied above a figure."""
     counts = result.counts()
     runs = f"{counts['ok']} runs" + (f" ({len(result) - counts['ok']} without a result)" * (counts["ok"] < len(result)))
     since, until = result.request["measure_from"], result.request["duration"]
     figure.suptitle(
-        f"{result.request['subject']}: {runs}, {since:g} to {until:g} s; {told}",
+        f"{result.request['subject']}: {runs}, {since:g} to {until:g} s; {subtitle}",
         x=0.01, ha="left", fontsize=10.5, weight="bold", color=INK,
     )  # fmt: skip
 

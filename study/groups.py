@@ -13,7 +13,7 @@ from stickslip.study.findings import Findings
 
 Floats = NDArray[np.float64]
 SLICES = 5  # of a random axis
-MOST = 12  # groups told apart in one picture
+MOST = 12  # groups with a colour of their own in one picture
 
 
 @dataclass(frozen=True)

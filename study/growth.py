@@ -86,7 +86,7 @@ def _last(y: ArrayLike) -> float:
 
 
 def numbers(axis: Axis, least: int) -> bool:
-    """Tell whether an axis has at least so many numbers."""
+    """Return whether an axis has at least ``least`` numbers."""
     return bool(axis.law) or (len(axis.values) >= least and not any(isinstance(v, str) for v in axis.values))
 
 

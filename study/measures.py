@@ -1,4 +1,4 @@
-"""What is measured of a run: mean, amplitude, standard deviation and period of signals, saturation, slips.
+"""Measures of a run: mean, amplitude, standard deviation and period of signals, saturation, slips.
 
 Amplitude is half of peak to peak; the period is the mean time between turns from low to high, as in
 ``stickslip.logs.oscillation``.  Saturated is the share of the logged time an OP spends at a limit of its controller.  A

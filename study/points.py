@@ -1,4 +1,4 @@
-"""From a point of the design to what an ensemble takes: one reference diagram, and numbers that differ from it.
+"""Turn points of a design into ensembles: one reference diagram, and the numbers in which a point differs from it.
 
 Every point is built anew where quantities of the plant vary.  Points whose diagrams differ in numbers only share a
 reference, the first of their kind, so that one ensemble runs them together; others form an ensemble of their own.
@@ -187,7 +187,7 @@ def _names(diagram: Diagram, what: str) -> list[str]:
 
 
 def _accepted(diagram: Diagram, wanted: Iterable[tuple[Axis, Value]]) -> dict[str, float]:
-    """Return parameters that the blocks accept together; raise what they raise."""
+    """Return the parameters if the blocks accept them together; otherwise pass on the block's error."""
     grouped: dict[str, dict[str, float]] = {}
     for axis, value in wanted:
         block, _, name = axis.name.rpartition(".")

@@ -1,4 +1,4 @@
-"""What was asked of a study, as plain values: two requests are one if these agree, and what differs can be named."""
+"""The request of a study as plain values.  Requests with equal values are the same; differences have names."""
 
 import hashlib
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What a study gave: one table, and the pictures of it."""
+"""The result of a study: one table and its pictures."""
 
 import os
 from dataclasses import dataclass

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 
 ASIDE = 0.36  # of the distance of two signals: so far the bars of the lines stand apart
-LINES = 7  # more are told apart by a colour bar
+LINES = 7  # more share a colour bar
 PANELS = 4  # values of the second axis that get a column of their own
 STANDS = 1e-6  # % of the operating point: below it nothing moves
 
@@ -74,11 +74,11 @@ def draw_spread(result: Findings) -> "Figure":
         legend(upper, axes, first.name, lines, colours)
     others = [axis.name for axis in varied[1:] if axis is not second]
     over = _over(result, others)
-    told = f"median and 5 to 95 % of the runs that oscillate, over {over}" if over else "one run a point"
+    subtitle = f"median and 5 to 95 % of the runs that oscillate, over {over}" if over else "one run a point"
     dead = [column.label for column in columns if column not in alive]
     if dead and second is not None:
-        told += f"; nothing oscillates at {second.name} = {', '.join(dead)}"
-    head(figure, result, told)
+        subtitle += f"; nothing oscillates at {second.name} = {', '.join(dead)}"
+    head(figure, result, subtitle)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""What is studied: a diagram, or a builder of diagrams with quantities of its own that move its rest."""
+"""The subject of a study: a diagram, or a function that builds diagrams from quantities of its own."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -49,7 +49,7 @@ def test_what_stands_still_or_differs_is_known_and_warned_of():
 
 
 def test_a_warning_comes_once_for_each_kind_of_block(monkeypatch):
-    monkeypatch.setattr(unseen, "_told", set())
+    monkeypatch.setattr(unseen, "WARNED", set())
 
     def warned(diagram):
         with warnings.catch_warnings(record=True) as caught:
@@ -67,7 +67,7 @@ def test_a_warning_comes_once_for_each_kind_of_block(monkeypatch):
 
 
 def test_slopes_warn_of_nothing(monkeypatch):
-    monkeypatch.setattr(unseen, "_told", set())
+    monkeypatch.setattr(unseen, "WARNED", set())
     with warnings.catch_warnings():
         warnings.simplefilter("error", unseen.UnseenWarning)
         diagram = control_table.TRIALS["RelayTuner"].diagram()

@@ -60,7 +60,7 @@ def test_examples_run_and_pictures_exist(page: Path, tmp_path: Path, monkeypatch
         assert (page.parent / picture).is_file(), picture
     monkeypatch.setenv("STICKSLIP_DATA", str(DATA.resolve()))
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(unseen, "_told", set())  # a page is read in a process of its own
+    monkeypatch.setattr(unseen, "WARNED", set())  # a page is read in a process of its own
     printed, left_out = run(text, page.name, DATA.is_dir())
     excerpts = re.findall(r"# \.\.\. (.*?) \.\.\.", text)  # of lines too long to be shown whole
     for line in "\n".join(printed).splitlines():

@@ -15,8 +15,9 @@ PLAIN = (  # a page that is rewritten is added here, and stays so
     "CONTRIBUTING.md", "README.md", "SECURITY.md", "docs/README.md", "docs/choose.md", "docs/ci.md", "docs/engine.md",
     "docs/examples.md", "docs/exports.md", "docs/gap.md", "docs/gap_found.md", "docs/licences.md",
     "docs/linearise.md", "docs/machines.md", "docs/methods.md", "docs/own.md", "docs/python_control.md",
-    "docs/reading.md", "docs/releases/0.1.0.md", "docs/replay.md", "docs/scan.md", "docs/schemas.md", "docs/start.md",
-    "docs/stiction.md", "docs/study.md", "docs/topologies.md", "docs/valve.md",
+    "docs/reading.md", "docs/releases/0.2.0.md", "docs/remedy.md", "docs/replay.md", "docs/scan.md",
+    "docs/schemas.md", "docs/start.md", "docs/stiction.md", "docs/study.md", "docs/topologies.md", "docs/valve.md",
+    "docs/verdict.md",
     *(str(script.relative_to(ROOT)) for script in sorted((ROOT / "docs").glob("*/*.py"))),
 )  # fmt: skip
 

@@ -18,21 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)  # fmt: skip
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Plant
 
 
@@ -83,9 +70,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = (T - g.room) / g.loses * g.heats / (g.steam - T)
     pv, seen = T, T
     held, x, m = pi_at(op), stem_at(op), sensor_at(T)
@@ -93,13 +78,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt / 5.0 + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = out[(i - first) // every]
-            row[0], row[1], row[2] = seen, pv, op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt / 5.0 + 1e-6), t)
+        kept(out, i - first, every, seen, pv, op)
         share = through(p.valve, stem(p.valve, x, op, t, dt))
         j = i % len(late)
         was = late[j] if g.theta > 0.0 else share

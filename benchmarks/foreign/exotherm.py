@@ -18,21 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)  # fmt: skip
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -61,9 +48,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     rate = np.exp(g.energy * (1.0 / 350.0 - 1.0 / T))
     conc = 1.0 / (1.0 + rate)
     op = (g.inlet - T + g.rise * rate * conc) / (g.cools * (T - g.coolant))
@@ -72,13 +57,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = out[(i - first) // every]
-            row[0], row[1], row[2] = seen, pv, 100.0 * op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt + 1e-6), t)
+        kept(out, i - first, every, seen, pv, 100.0 * op)
         active = 1.0 - g.decays * ((max(t, 0.0) / 5400.0) % 1.0)
         r = active * conc * np.exp(g.energy * (1.0 / 350.0 - 1.0 / T))
         share = through(p.valve, stem(p.valve, x, op, t, dt))

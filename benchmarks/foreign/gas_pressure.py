@@ -17,21 +17,8 @@ from typing import NamedTuple
 
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -56,9 +43,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    P = sp[0, 0]
+    g, scan, P = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = g.m_in / (g.k * P)
     pv, seen = P, P
     held = pi_at(op)
@@ -67,13 +52,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt / 0.5 + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = (i - first) // every
-            out[row, 0], out[row, 1], out[row, 2] = seen, pv, op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt / 0.5 + 1e-6), t)
+        kept(out, i - first, every, seen, pv, op)
         share = through(p.valve, stem(p.valve, x, op, t, dt))
         m_in = g.m_in + load[0, int(i * dt)] + planned(p.feed, t)
         P = max(P + dt / g.C * (m_in - g.k * P * share), 0.0)

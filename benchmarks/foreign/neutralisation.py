@@ -20,21 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 KW, KA = 1e-14, 10.0**-6.35
@@ -87,9 +74,7 @@ def pH_of(W, B, guess):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    pH = sp[0, 0]
+    g, scan, pH = p.process, round(p.controller.scan / dt), sp[0, 0]
     op = 0.55
     for _ in range(50):
         B = g.acid * g.buffer / (g.acid + g.base * op)
@@ -104,13 +89,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt / 2.0 + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = (i - first) // every
-            out[row, 0], out[row, 1], out[row, 2] = seen, pv, op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt / 2.0 + 1e-6), t)
+        kept(out, i - first, every, seen, pv, op)
         F = g.base * through(p.valve, stem(p.valve, x, op, t, dt))
         ions = g.ions + load[0, int(i * dt)] + planned(p.feed, t)
         swap = V2 / 400.0

@@ -23,21 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)
+from benchmarks.foreign.instruments import feel, kept, pi, pi_at, planned, read, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 HELD = 64  # scans that a controller can be late
@@ -93,9 +80,7 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
             was[scanned % HELD] = pv
             op = pi(c, held, seen, was[(scanned - int(bad.stale)) % HELD], 0.0, luck[k])
             scanned += 1
-        if i >= first and (i - first) % every == 0:
-            row = out[(i - first) // every]
-            row[0], row[1], row[2] = seen, pv, op
+        kept(out, i - first, every, seen, pv, op)
         if not (t >= 0.0 and t % 10800.0 < bad.locked):
             told = op
         f = through(p.valve, stem(p.valve, x, told, t, dt) ** 2)

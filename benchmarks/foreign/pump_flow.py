@@ -20,20 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-)
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -73,13 +61,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = (i - first) // every
-            out[row, 0], out[row, 1], out[row, 2] = seen, pv, 100.0 * op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt + 1e-6), t)
+        kept(out, i - first, every, seen, pv, 100.0 * op)
         f = v.gain * v.R ** (stem(v, x, op, t, dt) - 1.0) * (1.0 - g.chokes * (Q / 80.0) ** 4) + v.leak
         against = g.static + load[0, int(i * dt)] + planned(p.feed, t)
         # the loss in the valve is taken at the end of the step: a nearly shut valve is stiff

@@ -25,21 +25,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)
+from benchmarks.foreign.instruments import feel, kept, pi, pi_at, planned, read, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -97,9 +84,7 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
             pv = read(p.sensor, m, noise[0, k], luck[k], t)
             e = seen - pv
             op = pi(c, held, e if e > 0.0 else e * (1.0 - bad.lame), 0.0, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = out[(i - first) // every]
-            row[0], row[1], row[2] = seen, pv, 100.0 * op
+        kept(out, i - first, every, seen, pv, 100.0 * op)
         j = i % len(late)
         water = late[j]
         late[j] = through(p.valve, stem(p.valve, x, 1.0 - op, t, dt))

@@ -19,21 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)  # fmt: skip
+from benchmarks.foreign.instruments import feel, kept, pi_at, planned, scanned, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -64,9 +51,7 @@ class Parameters(NamedTuple):
 @njit(cache=True)
 def run(p, sp, load, noise, luck, dt, first, every, out):
     """Run the plant; see ``Plant``."""
-    c, g = p.controller, p.process
-    scan = round(c.scan / dt)
-    T = sp[0, 0]
+    g, scan, T = p.process, round(p.controller.scan / dt), sp[0, 0]
     needs = g.loss * (T - 25.0) - g.reaction
     op = 0.5 + 0.5 * needs / g.heat if needs > 0.0 else 0.5 + 0.5 * needs / (g.cool * (T - 15.0))
     pv, seen = T, T
@@ -77,13 +62,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
-            k = int(i * dt + 1e-6)
-            seen = sp[0, i]
-            pv = read(p.sensor, m, noise[0, k], luck[k], t)
-            op = pi(c, held, seen, pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = (i - first) // every
-            out[row, 0], out[row, 1], out[row, 2] = seen, pv, 100.0 * op
+            seen, pv, op = scanned(p, held, m, sp[0, i], noise[0], luck, int(i * dt + 1e-6), t)
+        kept(out, i - first, every, seen, pv, 100.0 * op)
         to_cold, to_hot = max(1.0 - 2.0 * op, 0.0), max(2.0 * op - 1.0, 0.0)
         if g.gap > 0.0:
             to_hot = max((to_hot - g.gap) / (1.0 - g.gap), 0.0)

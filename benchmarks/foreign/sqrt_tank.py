@@ -17,21 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)  # fmt: skip
+from benchmarks.foreign.instruments import feel, kept, pi, pi_at, planned, read, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 DT = 0.05
@@ -71,9 +58,7 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
         pv = read(p.sensor, m, noise[0, k], luck[k], t)
         if i % scan == 0:
             op = pi(c, held, sp[0, i], pv, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = (i - first) // every
-            out[row, 0], out[row, 1], out[row, 2] = sp[0, i], pv, 100.0 * op
+        kept(out, i - first, every, sp[0, i], pv, 100.0 * op)
         flow = g.q * through(p.valve, stem(p.valve, x, op, t, dt)) + load[0, int(i * dt)] + planned(p.feed, t)
         hole = g.c * (1.0 - g.clogs * ((t / 2400.0) % 1.0))
         h = max(h + dt / g.A * (flow - hole * np.sqrt(h)), 1e-4)

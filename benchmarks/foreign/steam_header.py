@@ -23,21 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import (
-    PI,
-    Feed,
-    Sensor,
-    Valve,
-    feel,
-    pi,
-    pi_at,
-    planned,
-    read,
-    sensor_at,
-    stem,
-    stem_at,
-    through,
-)
+from benchmarks.foreign.instruments import feel, kept, pi, pi_at, planned, read, sensor_at, stem, stem_at, through
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -99,9 +86,7 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
             e = seen - pv
             heard = e - min(max(e, -bad.ignored), bad.ignored)
             op = pi(c, held, heard, 0.0, 0.0, luck[k])
-        if i >= first and (i - first) % every == 0:
-            row = out[(i - first) // every]
-            row[0], row[1], row[2] = seen, pv, 100.0 * op
+        kept(out, i - first, every, seen, pv, 100.0 * op)
         travel = stem(p.valve, x, op, t, dt) - bad.pushed * (g.before - P - 5.5)
         saturated = 100.0 * P**0.25
         condensed = g.condenses * (saturated - wall)

@@ -66,11 +66,11 @@ class Drawn:
     compressed: str
     door: float
     sp_logged: bool
-    told: bool
+    tagged: bool
 
     @property
     def kind(self) -> str:
-        """What is true: "sticks", "play" (dead travel without a jump) or "sound"."""
+        """The true kind: "sticks", "play" (dead travel without a jump) or "sound"."""
         if not self.sticks:
             return "sound"
         return "play" if self.law in JUMPLESS else "sticks"
@@ -134,5 +134,5 @@ def _one(seed: int, i: int, again: int = 0) -> Drawn:
         manual=sometimes(0.1, 0.03, 0.2), points=_log(r, 5.0, 60.0), periods=_log(r, 6.0, 60.0),
         minute=bool(r.random() < 0.5), rounded=sometimes(0.25, 0.005, 0.08),
         compressed=str(r.choice(("no", "no", "no", "no", "swinging_door", "exceptions"))), door=_log(r, 0.01, 0.08),
-        sp_logged=bool(r.random() < 0.85), told=bool(r.random() < 0.4),
+        sp_logged=bool(r.random() < 0.85), tagged=bool(r.random() < 0.4),
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a historian keeps of a loop: rounding, compression, tags; and what is true of the run."""
+"""The record of a loop in a historian: rounding, compression, tags; and the truth of the run."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ def seen(d: Drawn) -> Seen:
         pv, op = (_swinging_door(t, x, door) for x, door in ((pv, d.door), (op, 0.5 * d.door)))
     elif d.compressed == "exceptions":
         pv, op = _exceptions(pv, d.door), _exceptions(op, 0.5 * d.door)
-    tag = {"flow": "F", "pressure": "P", "temperature": "T", "level": "L"}[d.process] if d.told else "X"
+    tag = {"flow": "F", "pressure": "P", "temperature": "T", "level": "L"}[d.process] if d.tagged else "X"
     record = LoopRecord.from_arrays(
         t, pv=50.0 + pv, op=50.0 + op, sp=50.0 + sp if d.sp_logged else None, op_span=(0.0, 100.0),
-        name=f"{tag}IC{d.seed % 1000:03d}" if d.told else "",
+        name=f"{tag}IC{d.seed % 1000:03d}" if d.tagged else "",
     )  # fmt: skip
     travel = float(np.subtract(*np.percentile(op, [99, 1]))) / d.S
     return Seen(record, d, travel, _turns(stem, 0.2 * min(d.S, float(np.ptp(stem)) + 1e-12)))

@@ -1,4 +1,4 @@
-"""What moves a stem: positioner, air, and eight laws of friction, from their equations, one step of ``h`` seconds each.
+"""Steps of a stem by ``h`` seconds: positioner, air, and eight laws of friction, from their equations.
 
 Forces count in % of OP: the spring's stiffness is one, so that at rest stem = air.  s: what a valve remembers,
 
@@ -110,7 +110,7 @@ def _with_mass(
 def _bristles(
     s: Any, air: float, h: float, falls: bool, f_s: float, f_d: float, even: float, lag: float, J: float
 ) -> None:
-    """LuGre's bristles, or Dahl's where friction does not fall; the stem is light."""
+    """Move a light stem on LuGre's bristles, or on Dahl's where friction does not fall with speed."""
     holds = f_s if falls else even
     if holds < 1e-9:
         s[0] = air

@@ -1,4 +1,4 @@
-"""One pressure controller, two valves: inert gas in below half range of OP, vent out above; the vent sticks.
+"""One pressure controller with two valves: inert gas below half of OP, a vent above; the vent sticks.
 
     OP  0 ......... 0.5 ......... 1
         inert open  both  vent open            OP_inert = 1 - 2 OP, OP_vent = 2 OP - 1, each kept within 0 ... 1

@@ -1,4 +1,4 @@
-"""What a report shows of a loop besides the verdict: stem, spectrum, correlations, and the verdict over time."""
+"""The evidence in a report, besides the verdict: stem, spectrum, correlations, and the verdict over time."""
 
 from stickslip.detect.evidence.correlations import Correlation, correlation
 from stickslip.detect.evidence.set_point import set_point_words

@@ -81,7 +81,7 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
     better = fitted.index if fitted.index is not None else float("nan")
     if not better >= BETTER_RATIO:
         return (
-            f"No stem is reconstructed: a play tells PV hardly better from OP than a lag alone (error {better:.2f} "
+            f"No stem is reconstructed: a play predicts PV hardly better from OP than a lag alone (error {better:.2f} "
             f"times as large without play, {BETTER_RATIO:g} needed)."
         )
     t, op, mv = (fitted.array(name) for name in ("t", "u", "x"))

@@ -65,7 +65,7 @@ class OverTime:
 
     @property
     def words(self) -> str:
-        """What the windows say together, one or two sentences; "" without windows."""
+        """Return the joint finding of the windows in one or two sentences; "" without windows."""
         if not self.windows:
             return ""
         judged = [w for w in self.windows if w.verdict != "not_applicable"]

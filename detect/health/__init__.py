@@ -1,1 +1,1 @@
-"""What is wrong with a record before anything is judged: a fact a file, with its number, its limit and its remedy."""
+"""Faults of a record, checked before anything is judged.  Each file has one, with its number, limit and remedy."""

@@ -1,4 +1,4 @@
-"""What to do for each cause: the action, who does it, and the test that confirms it, with steps from the size."""
+"""The action for each cause, who takes it, and the test that confirms the cause; its steps follow from the size."""
 
 from __future__ import annotations
 

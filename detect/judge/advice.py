@@ -1,4 +1,4 @@
-"""What to do next, as a table from the verdict or the reason code to a sentence."""
+"""The next action: a table from the verdict or the reason code to a sentence."""
 
 from __future__ import annotations
 

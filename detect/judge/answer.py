@@ -301,7 +301,7 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
 
 
 def _stands(still: Still) -> str:
-    """What is seen of a stem that stands, and what that means."""
+    """Return the finding on a stem that does not move, and its meaning."""
     moves = f"OP travels {_travelled(still.travel, still.unit)} and turns back {still.turned} times"
     return f"The logged stem never moves while {moves}: {still.why}"
 

@@ -29,7 +29,7 @@ Combine: TypeAlias = Callable[[Iterable[Verdict]], Word]
 
 @dataclass(frozen=True)
 class Weight:
-    """What the vote of one method counts: ``accuse`` when it says stiction, ``acquit`` when it says no stiction [-].
+    """The weight of one method's vote: ``accuse`` when it says stiction, ``acquit`` when it says no stiction [-].
 
     Raises ValueError for a weight that is negative or not finite.
     """

@@ -22,7 +22,7 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[st
 
     >>> told = {"travel_gain": 40.0, "network_sticky": 2.0}
     >>> grounds(told, {"travel_gain": 1.5, "network_sticky": -0.2}, True)
-    ('A stem with dead travel tells PV better than every rival, by 40 nats (log odds +1.5).',)
+    ('A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).',)
     """
     sign = 1.0 if sticks else -1.0
     weights = {
@@ -43,8 +43,8 @@ def _travel(found: Found, sticks: bool) -> str:
     if not math.isfinite(gain):
         return "The record is one of those in which dead travel cannot be weighed"
     if gain > 0.0:
-        return f"A stem with dead travel tells PV better than every rival, by {gain:.0f} nats"
-    return f"No stem with dead travel tells PV better than the best rival; it lacks {-gain:.0f} nats"
+        return f"A stem with dead travel predicts PV better than every rival, by {gain:.0f} nats"
+    return f"No stem with dead travel predicts PV better than the best rival; it lacks {-gain:.0f} nats"
 
 
 def _process(found: Found, sticks: bool) -> str:

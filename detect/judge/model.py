@@ -35,7 +35,7 @@ FAR_SHARE = 0.2  # share of features beyond all simulated ones from which on the
 
 @dataclass(frozen=True)
 class Opinion:
-    """What the model says of one record.
+    """The output of the model for one record.
 
     causes : probability of each cause [-], they sum to 1, largest first
     S, J : (median, low, high) over OP's travel [-], should the valve stick; interval of 90 %
@@ -104,7 +104,7 @@ class Model:
         return Opinion(dict(sorted(causes.items(), key=lambda item: -item[1])), (value, low, high), jump, beyond)
 
     def shares(self, features: Mapping[str, float]) -> dict[str, float]:
-        """What each feature of one record adds to the log odds of stiction [-], by name; see ``Trees.shares``."""
+        """The share of each feature of one record in the log odds of stiction [-], by name; see ``Trees.shares``."""
         x = np.array([features.get(name, np.nan) for name in self.names])
         return dict(zip(self.names, (self.platt[0] * self.trees["sticky"].shares(x)).tolist(), strict=True))
 

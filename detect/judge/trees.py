@@ -93,7 +93,7 @@ class Trees:
             node = below
 
     def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
-        """What a file holds."""
+        """The arrays that a file holds."""
         return {
             "base": self.base, "root": self.root.astype(np.uint32), "output": self.output.astype(np.uint8),
             "feature": self.feature.astype(np.uint8), "threshold": self.threshold, "value": self.value,

@@ -13,9 +13,9 @@
 A valve has dead travel where G >= 10, G_d >= 5, the stem turns at least four times and, of days that tell anything,
 no more speak against than for it and no single one is all there is: all that at two of three delays beside each other.
 It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, no play or stick beats
-the best rival at any delay, a straight line tells PV best, PV answers OP by 10 nats at all, that answer keeps sign and
-size over the delays, and OP turns at least four times.  Else the record leaves it open, and so it does where there are
-fewer than ten samples between two turns of OP.
+the best rival at any delay, a straight line predicts PV best, PV answers OP by 10 nats at all, that answer keeps sign
+and size over the delays, and OP turns at least four times.  Else the record leaves it open.
+So it does with fewer than ten samples between two turns of OP.
 Bootstrap tests pass a one-way drift; turns, the tenth and delays do not.  A valve that sticks often makes a bent rival
 look good, in place of the stick: of 170 sticky loops (training law, seed 70001) 10 lost every S without the rule on the
 straight line, and 3 with it, two of them of S below 0.15 of OP's travel.
@@ -59,13 +59,13 @@ class Day:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the records of one valve say of dead travel.
+    """The evidence for dead travel from the records of one valve.
 
     S, low, high : dead travel and what lies within 2 nats of it [unit of OP]; J : the jump, 0 unless it gains
     jump : what the jump gains [nats]; gain, without_best : G and G_d [nats]; turns : of the stem, over all records
     delays : of three beside each other, at which all that holds;  rival : the best one
     excluded : least S [unit of OP] from which on all sizes lose ``loss`` nats at every delay; inf where none does
-    loss : [nats];  answers : by how many nats OP tells PV, least over the delays;  steady : that answer keeps its size
+    loss : [nats];  answers : [nats] by which OP predicts PV, least over the delays;  steady : its size stays
     travel : OP's, median over the records [its unit]
     sizes, curve : (m,) S [unit of OP] and G(S) [nats] at the delay that is shown
     tenths : (10 records,) log-likelihood gained in each tenth of each record [nats]
@@ -111,7 +111,7 @@ class Evidence:
 
     @property
     def better(self) -> bool:
-        """Whether a play or stick tells PV better than every rival."""
+        """Whether a play or stick predicts PV better than every rival."""
         return self.gain > 0.0
 
     @property
@@ -282,12 +282,12 @@ def _day(one: Stems, own: Gains, best: _At, i: int) -> Day:
 
 
 def _answers(kept: Sequence[Gains]) -> float:
-    """By how many nats OP tells PV better than nothing."""
+    """By how many nats OP predicts PV better than nothing."""
     return float(sum(part.rivals["OP"][0] - part.rivals["nothing"][0] for part in kept))
 
 
 def _bent(kept: Sequence[Gains], one: _At) -> float:
-    """By how many nats the best of sticks and bent rivals tells PV better than a straight line."""
+    """By how many nats the best of sticks and bent rivals predicts PV better than a straight line."""
     score = {name: sum(part.rivals[name][0] for part in kept) for name in kept[0].rivals}
     stick = float(one.total.max()) + score[one.rival] - score["OP"]
     line = max(score["OP"], score[LATE])

@@ -1,4 +1,4 @@
-"""One record: by how many nats a stem that sticks tells PV better than the best rival without a stick, for every size.
+"""One record: the gain [nats] with which a sticking stem predicts PV better than every rival, for each size.
 
     stick    w = stem of OP, S = 10^(i/8), J/S in {0, 0.4, 1}, three starts where S is large; with a jump both as Kano's
              stem moves, which sticks where OP stops, and as He's, which sticks again after each slip
@@ -53,7 +53,7 @@ STEPS = 4  # of the fit of a stick, from the weights of the line through OP
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """What a record says at one delay.
+    """The gains of a record at one delay.
 
     k : delay [rows]; sizes : (m,) ``Size`` of each column
     score : (m, 2) of a play and of a stick with a jump [nats];  sections : (m, 2, SECTIONS) log-likelihood of tenths

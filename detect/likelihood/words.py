@@ -29,10 +29,10 @@ def said(e: Evidence, percent: bool) -> str:
         days = f", in {e.agreeing} of {len(e.days)} records" if len(e.days) > 1 else ""
         jump = (
             f"A jump J of {e.J:.2g} {unit} tells {e.jump:.3g} nats more."
-            if e.J > 0.0 else "A jump tells no more than play does, so S is all that can be said."
+            if e.J > 0.0 else "A jump explains no more than play does, so this evidence gives S alone."
         )  # fmt: skip
         return (
-            f"A stem with dead travel tells PV better than {rival} by {e.gain:.3g} nats, by {e.without_best:.3g} "
+            f"A stem with dead travel predicts PV better than {rival} by {e.gain:.3g} nats, by {e.without_best:.3g} "
             f"without the best tenth, over {e.turns} reversals{days}: {size}. {jump}"
         )
     if e.clears:
@@ -41,9 +41,11 @@ def said(e: Evidence, percent: bool) -> str:
             f"answers OP by {e.answers:.3g} nats; OP travels {e.travel:.3g}."
         )
     if e.better:
-        return f"Dead travel of {size} would tell PV better than {rival} by {e.gain:.3g} nats, but {_short(e)}."
+        return f"Dead travel of {size} would predict PV better than {rival} by {e.gain:.3g} nats, but {_short(e)}."
     why = "" if math.isinf(e.excluded) else f" From {e.excluded:.2g} {unit} on it is excluded by {e.loss:.3g} nats."
-    return f"No stem with dead travel tells PV better than {rival}, but {_hides(e, unit)}, so nothing is cleared.{why}"
+    return (
+        f"No stem with dead travel predicts PV better than {rival}, but {_hides(e, unit)}, so nothing is cleared.{why}"
+    )
 
 
 def _hides(e: Evidence, unit: str) -> str:
@@ -64,7 +66,7 @@ def _hides(e: Evidence, unit: str) -> str:
 
 
 def _short(e: Evidence) -> str:
-    """What is missing for dead travel to be called."""
+    """Return the condition that is not met, so that dead travel is not called."""
     if e.coarse:
         return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST_SAMPLES:g} needed)"
     if e.gain < GAIN_NATS:

@@ -278,7 +278,7 @@ def _accused(late: Lateness, centre: str, p: Params) -> tuple[Word, str]:
 
 
 def _near_one(high: float, half_period: float, triangular: bool) -> str:
-    """What R near 1 does and does not say; ``high`` is the upper end of its interval."""
+    """Return the meaning of an R near 1; ``high`` is the upper end of its interval."""
     if triangular:
         return (
             "the peaks sit in the middle of a triangular wave, as in an integrating loop with or without a sticky "

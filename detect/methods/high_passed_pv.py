@@ -1,5 +1,4 @@
-"""High-passed PV against OP for integrating loops, an idea of Kvam, NTNU 2009, chapter 7, made into an index and a
-size.
+"""High-passed PV against OP for integrating loops: an idea of Kvam, NTNU 2009, chapter 7, as an index and a size.
 
     y_k = a y_(k-1) + a (x_k - x_(k-1)),    a = tau / (tau + T_s)
 
@@ -15,12 +14,12 @@ smoothed at eight times its frequency and neighbouring cycles are averaged first
 in simulated sticky loops (S 3 and 6 %, J 1.5 to 4 %), at most 1.011 for sines with up to 40 % noise and 10 % second
 harmonic; a deadband with hardly any jump (J = S / 4) can lie below the limit.  Limits ours.
 
-An outside flow that steps to and fro draws nearly the same picture.  What differs: while a valve sticks the flow stands
-still, where a sound valve follows OP.  Hence no accusation where the flow follows OP by more than 15 % of its jump
-between jumps, nor where the range of OP, which the stick sets, differs by more than 20 % from cycle to cycle (both
-ours).  Of 100 simulated levels each, unseen before (S 2 to 12 %, J 0.3 S to S, lags, dead time, noise), 41 of the 64
-sticky ones with enough cycles were found, 0 of 100 under outside sines, 12 of 97 under outside squares, and 16 of 46
-with a deadband and no jump; median error of S 5 %.
+An outside flow that steps to and fro draws nearly the same picture.  But a sticking valve lets the flow stand
+still between jumps, and a sound valve makes it follow OP.  So the method accuses no valve where the flow follows OP
+by more than 15 % of its jump.  Nor does it where the range of OP differs by more than 20 % between cycles (both ours).
+Of 100 simulated levels each, unseen before (S 2 to 12 %, J 0.3 S to S, lags, dead time, noise), 41 of the 64 sticky
+ones with enough cycles were found, 0 of 100 under outside sines, 12 of 97 under outside squares, and 16 of 46 with a
+deadband and no jump; median error of S 5 %.
 
 Source of the idea: Kvam, NTNU 2009, section 7.3, equation 7.3 (its 7.2 is another filter); index, size and rules ours.
 S is the apparent one, up to 15 % low, as smoothing rounds the tips of OP.  A round curve clears nothing, for the

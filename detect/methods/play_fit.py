@@ -190,7 +190,7 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
         cycles = math.isfinite(loop.period) and not f.integrating  # which a deadband alone cannot sustain
         if not cycles and (f.jump_gain < p.jump or p.jump_share * f.S > f.J):
             return "inconclusive", (
-                f"{better}, but a deadband without slip jump tells as much (gain by the jump "
+                f"{better}, but a deadband without slip jump explains as much (gain by the jump "
                 f"{max(f.jump_gain, 0.0):.2g}, {p.jump:g} needed), and a deadband is not stiction."
             )
         return "stiction", (

@@ -1,4 +1,4 @@
-"""What an oscillation detector says: does the loop oscillate, how fast, how regularly, how much."""
+"""The result of an oscillation detector: does the loop oscillate, how fast, how regularly, how much."""
 
 from __future__ import annotations
 

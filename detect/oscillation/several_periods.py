@@ -62,7 +62,7 @@ class Params:
     cycles_min, samples_min : float
         Fewest cycles in the record, fewest samples a period.
     most : int
-        Most oscillations that are looked for.
+        Largest number of oscillations to find.
     """
 
     alpha: float = 0.001

@@ -60,7 +60,7 @@ class Jumps(NamedTuple):
 
 
 class Slips(NamedTuple):
-    """What shows that a valve sticks: S with its 90 % interval [% of OP span], the tag that jumps, how often it turned.
+    """Slips of a sticky valve: S with its 90 % interval [% of OP span], the tag that jumps, how often it turned.
 
     ``told`` is the correlation of the tag with a stem of that S, less straight lines [-].
     """

@@ -71,7 +71,7 @@ class Suspect:
 
     @property
     def reason(self) -> str:
-        """What speaks for or against its valve, in one sentence."""
+        """The reason for or against its valve, in one sentence."""
         moves = f"OP travels {self.travel:.3g} % of its span"
         if self.slips is not None:
             said = (

@@ -1,1 +1,1 @@
-"""What several methods need of a record: its condition, filtered signals, cycles and half cycles."""
+"""A record made ready for several methods: its condition, filtered signals, cycles and half cycles."""

@@ -100,7 +100,7 @@ class Prepared(RecordSignals):
     # --- facts ------------------------------------------------------------------------------------------------
     @cached_property
     def facts(self) -> tuple[Fact, ...]:
-        """What was measured of the record before anything was judged."""
+        """The facts that are measured before anything is judged."""
         return examine(self.record)
 
     @cached_property
@@ -217,7 +217,7 @@ class Prepared(RecordSignals):
     # --- even grids -------------------------------------------------------------------------------------------
     @cached_property
     def stretch(self) -> Grid:
-        """The longest piece without a long gap and without a move of the set point; of a long one the last part."""
+        """The longest piece without long gaps and moves of the set point; only the last part of a long one."""
         t = self.pieces.longest[0]
         return self._last_part(float(t[0]), float(t[-1]), self.period) if len(t) > 1 else _EMPTY
 

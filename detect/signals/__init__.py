@@ -1,1 +1,1 @@
-"""What any signal is asked, whatever it means: smoothed, filtered, ordered, cut at gaps, crossed, drawn anew."""
+"""Operations on any signal: smoothing, filters, order, gaps, crossings, surrogates."""

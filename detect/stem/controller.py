@@ -1,4 +1,4 @@
-"""What the controller betrays of the process: feedback that holds has the signs of both gains equal."""
+"""The sign of the process's gain, from the controller: in a stable loop both gains have the same sign."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Kind(NamedTuple):
 
 
 def kind_of_tag(record: LoopRecord) -> Kind:
-    """What the user says, or else what the measurement implies.
+    """The kind of process that the user states, or else that the measurement implies.
 
     >>> kind_of_tag(LoopRecord.from_arrays([0, 1], pv=[1, 2], op=[1, 2], name="FIC7"))
     Kind(integrating=False, text='The process is taken as self-regulating: the tag is a flow.')

@@ -85,11 +85,11 @@ class StepResponse:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ValveTest(Shown):
-    """What a step test, or the routine moves of a record, say of a valve.
+    """How a valve answers: the result of a step test, or of the routine moves in a record.
 
     name : str
     answer : {"MV", "PV"}
-        What was taken as the answer of the valve: the stem, or PV where no stem is logged.
+        The signal that was measured: the stem, or PV where no stem is logged.
     source : {"steps", "routine moves"}
     deadband, resolution : Size or None
         None where the record does not show it.
@@ -170,7 +170,7 @@ class ValveTest(Shown):
 
 
 def analyse(record: LoopRecord) -> ValveTest:
-    """What a step test says of a valve.
+    """Analyse a step test of a valve.
 
     ``record`` needs OP in % or with a known span, and MV (the stem) or, failing that, PV.  Steps of both directions, of
     different sizes, each held until the answer rests, tell most.
@@ -215,7 +215,7 @@ def analyse(record: LoopRecord) -> ValveTest:
 
 
 def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...]) -> ValveTest:
-    """What routine moves tell: deadband and jump from a logged stem, the step response from moves that stand alone."""
+    """Analyse routine moves: deadband and jump from a logged stem, the step response from isolated moves."""
     few = f"Fewer than {STEPS_MIN} steps held at rest: read off the routine moves."
     if record.mv is None and timed:
         said = (few, NO_STEM, "Deadband and resolution need the stem position, or a step test.")

@@ -1,4 +1,4 @@
-"""What each run of an ensemble has of its own besides numbers: when it begins, when it logs, what drives its inputs."""
+"""Settings of each run of an ensemble besides its numbers: start time, log times, inputs."""
 
 from collections.abc import Mapping
 from typing import Any

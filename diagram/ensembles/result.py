@@ -1,4 +1,4 @@
-"""What an ensemble gave: one entry a variant, each of which can be looked at or run again alone."""
+"""The result of an ensemble: one entry a variant.  Each can be inspected, or run again alone."""
 
 import json
 import os
@@ -12,7 +12,8 @@ from stickslip.diagram.branches import Branches, Taken
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.ensembles.variants import Floats, Variants
 from stickslip.diagram.kinds import known_loops
-from stickslip.diagram.simulation import Event, Run, named_events, simulate
+from stickslip.diagram.run_events import Event, named_events
+from stickslip.diagram.simulation import Run, simulate
 from stickslip.engine.run import Settings
 from stickslip.engine.status import HINTS, Statistics, Status
 from stickslip.logs import Log
@@ -72,8 +73,8 @@ class Ensemble(Shown):
     def headline(self) -> str:
         """The result in one line."""
         codes, counts = np.unique(self.status, return_counts=True)
-        told = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
-        return f"{len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {told}"
+        text = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
+        return f"{len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {text}"
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -114,8 +115,8 @@ class Ensemble(Shown):
     def hint(self, i: int) -> str:
         """Return why variant ``i`` failed and what to try; empty if it did not fail."""
         self._check(i)
-        told = self.troubles[i] or HINTS[Status(int(self.status[i]))]
-        return f"{told} (at t = {self.ended[i]:.6g} s)" if told else ""
+        text = self.troubles[i] or HINTS[Status(int(self.status[i]))]
+        return f"{text} (at t = {self.ended[i]:.6g} s)" if text else ""
 
     def log(self, i: int) -> Log:
         """Return the signals kept of variant ``i``.

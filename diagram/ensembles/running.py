@@ -20,6 +20,7 @@ from stickslip.blocks.block import Block
 from stickslip.diagram.branches import Branches, Taken, branching, taken
 from stickslip.diagram.coarse import ToleranceWarning, too_coarse
 from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ends import troubles
 from stickslip.diagram.ensembles.per_run import apart, grids
 from stickslip.diagram.ensembles.result import Ensemble, freeze
 from stickslip.diagram.ensembles.variants import Floats, Places, Target, Variants, variants_of
@@ -29,8 +30,9 @@ from stickslip.diagram.kept import logging_only, wanted_signals
 from stickslip.diagram.past import Past, resumed
 from stickslip.diagram.playback import check_logged
 from stickslip.diagram.progress import Progress, reporting
+from stickslip.diagram.run_events import in_order
 from stickslip.diagram.settings import Changes, Settings, settings_of
-from stickslip.diagram.simulation import in_order, set_up, troubles
+from stickslip.diagram.simulation import set_up
 from stickslip.diagram.strides import bounded
 from stickslip.engine.branching import Branching, run_branching
 from stickslip.engine.probing import Bound, bound_steps
@@ -42,7 +44,7 @@ from stickslip.engine.table import Component
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
 LAYOUTS = 8  # kept of a diagram, for its next ensembles
-GLANCE = 0.1  # how often the progress is told [s]
+GLANCE = 0.1  # how often the progress is reported [s]
 
 
 def ensemble(

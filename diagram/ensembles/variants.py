@@ -1,4 +1,4 @@
-"""What makes the variants of an ensemble differ: one table of numbers, one row a variant.
+"""The variants of an ensemble: a table of the numbers in which they differ, one row a variant.
 
 Each column belongs to one value of one block: a parameter, a start state or a memory.  The blocks themselves
 check every variant before anything runs; the engine's arrays then get each row in a single assignment.
@@ -205,9 +205,9 @@ def _count(given: Sequence[tuple[str, NDArray[np.generic]]]) -> int:
             "nothing says how many variants there are; give params, start, seeds, t0 or inputs at least one array"
         )
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"'{key}' {length}" for key, length in lengths.items())
+        parts = ", ".join(f"'{key}' {length}" for key, length in lengths.items())
         raise ValueError(
-            f"the variants disagree in number: {told}; give arrays of one length (single numbers hold for all)"
+            f"the variants disagree in number: {parts}; give arrays of one length (single numbers hold for all)"
         )
     if not next(iter(lengths.values())):
         raise ValueError("there are 0 variants; give arrays of at least one value")

@@ -258,7 +258,7 @@ class _Ink:
                 _oval(ax, self._signal(node.name), box)
 
     def _wires(self, ax: "Axes", laid: Sheet) -> None:
-        told: set[tuple[int, int]] = set()
+        labelled: set[tuple[int, int]] = set()
         for xs, ys in strokes(self.plan, laid):
             ax.plot(xs, ys, color=WIRE, linewidth=1.0, zorder=2, solid_capstyle="projecting")
         for arrow, line, close in zip(self.plan.arrows, laid.lines, laid.near, strict=True):
@@ -267,8 +267,8 @@ class _Ink:
                 [tip, tip - HEAD_LENGTH, tip - HEAD_LENGTH], [y, y - 2.9, y + 2.9], color=WIRE, linewidth=0, zorder=2.1
             )
             text: dict[str, Any] = {"size": SIGNAL_SIZE, "va": "bottom", "zorder": 4, "parse_math": False}
-            if (arrow.source, arrow.out) not in told and self._labelled(arrow):
-                told.add((arrow.source, arrow.out))
+            if (arrow.source, arrow.out) not in labelled and self._labelled(arrow):
+                labelled.add((arrow.source, arrow.out))
                 ax.text(line[0][0] + 5.0, line[0][1] - 2.0, self._label(arrow), color=INK, **text)
             if not close and self._enters_labelled(arrow):
                 ax.text(tip - 9.0, y - 2.0, self._entry(arrow), color=SOFT, ha="right", **text)

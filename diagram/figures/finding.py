@@ -1,4 +1,4 @@
-"""What a run shows, in the few words that fit a title: rest, a cycle with what makes it, or where a signal goes."""
+"""The finding of a run in a few words for a title: rest, a cycle and its cause, or where a signal goes."""
 
 from collections.abc import Iterable, Sequence
 
@@ -84,8 +84,8 @@ def finding(run: Run, shown: Sequence[str]) -> str:
         if rests(y) or not np.isfinite(log[s][[0, -1]]).all():
             continue
         if abs(y[-1] - y[0]) < BACK * np.ptp(y):
-            return f"{s} moves between {_told(run, s, y.min(), False)} and {_told(run, s, y.max())}"
-        return f"{s} goes from {_told(run, s, log[s][0], False)} to {_told(run, s, log[s][-1])}"
+            return f"{s} moves between {_with_unit(run, s, y.min(), False)} and {_with_unit(run, s, y.max())}"
+        return f"{s} goes from {_with_unit(run, s, log[s][0], False)} to {_with_unit(run, s, log[s][-1])}"
     return ""
 
 
@@ -96,24 +96,24 @@ def _at_rest(run: Run, shown: Sequence[str]) -> str:
         return "at rest: nothing moves"
     if len({run.log.units.get(s, "") for s in shown}) == 1:
         most = max(moved, key=lambda s: moved[s])
-        return f"at rest: nothing moves by more than {_told(run, most, float(f'{moved[most]:.1g}'))}"
+        return f"at rest: nothing moves by more than {_with_unit(run, most, float(f'{moved[most]:.1g}'))}"
     share = max(by / float(np.nanmax(np.abs(run.log[s]))) for s, by in moved.items() if by)
     return f"at rest: nothing moves by more than {share:.1g} of its value"
 
 
 def _cycle(run: Run, s: str, found: Oscillation, trend: str) -> str:
     """An oscillation of a signal: what moves it from outside, or which stems stick, with period and amplitude."""
-    amplitude, period = _told(run, s, found.amplitude), f"{found.period:.3g} s"
+    amplitude, period = _with_unit(run, s, found.amplitude), f"{found.period:.3g} s"
     stems = _slipping(run, found.period)
     sticks = f"{_and(stems)} stick{'s' * (len(stems) == 1)}" if stems else ""
     late = later(run.log.t)
     for source in _moved_by_themselves(run, s, found.period):
         behind = following(run.log.t[late], run.log[source][late], run.log[s][late], found.period)
         if behind.share > SINE:
-            told = f"{source} swings by itself with a period of {period}; {s} follows {behind.lag:.2g} s later, "
-            told += (f"{behind.gain:.2g} times as far" if run.log.units.get(s) == run.log.units.get(source)
+            text = f"{source} swings by itself with a period of {period}; {s} follows {behind.lag:.2g} s later, "
+            text += (f"{behind.gain:.2g} times as far" if run.log.units.get(s) == run.log.units.get(source)
                      else f"amplitude {amplitude}")  # fmt: skip
-            return told + (f"; {sticks}" if sticks else "")
+            return text + (f"; {sticks}" if sticks else "")
     for standing in _unmoved(run, s):
         return f"{s} swings by itself with a period of {period}; {standing} stands" + (
             f" and {_and(stuck)} is stuck" if len(stuck := _stuck(run)) == 1 else "")  # fmt: skip
@@ -168,7 +168,7 @@ def _and(names: Iterable[str]) -> str:
     return f"{', '.join(most)} and {last}" if most else last
 
 
-def _told(run: Run, signal: str, value: float, unit: bool = True) -> str:
+def _with_unit(run: Run, signal: str, value: float, unit: bool = True) -> str:
     """A value with its unit, pressures in bar."""
     named = run.log.units.get(signal, "")
     if named == "Pa":

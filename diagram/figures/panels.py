@@ -1,4 +1,4 @@
-"""What a figure of a run shows: which signals share a panel, which are left out, and what stands at the axis."""
+"""The panels of a figure of a run: which signals share one, which are omitted, and the text at the axis."""
 
 from collections.abc import Iterable, Sequence
 
@@ -36,14 +36,14 @@ def choose(run: Run, names: Sequence[str] | None) -> tuple[list[list[str]], list
     if names is not None:
         return panels, [], []
     if len(panels) > PANELS:
-        panels = _most_telling(run, panels)
+        panels = _most_moving(run, panels)
     shown = {s for panel in panels for s in panel}
     squashing = [s for panel in panels for s in _squashing(log, panel)]
     panels = [[s for s in panel if s not in squashing] for panel in panels]
     return panels, [s for s in chosen if s not in shown], squashing
 
 
-def _most_telling(run: Run, panels: list[list[str]]) -> list[list[str]]:
+def _most_moving(run: Run, panels: list[list[str]]) -> list[list[str]]:
     """Return ``PANELS`` panels in their order: first what controllers measure and sticking valves, last what rests."""
     diagram, log = run.final, run.log
     main = main_signals(diagram)
@@ -171,8 +171,12 @@ def heading(shown: Sequence[str], unit: str) -> str:
     within = group and all(s.rpartition("/")[0] == group for s in shown)
     own = [s.rpartition("/")[2] for s in shown]
     names = list(dict.fromkeys(own)) if within or len(set(own)) == 1 else list(shown)
-    told = f" [{unit}]" if unit else ""
-    text = ", ".join(names) + told
+    bracket = f" [{unit}]" if unit else ""
+    text = ", ".join(names) + bracket
     if len(text) > WIDE:  # the legend has the names
-        text = f"{names[0]}\n{names[1]}{told}" if len(names) == 2 and not within else told.strip() or f"{names[0]}, ..."
+        text = (
+            f"{names[0]}\n{names[1]}{bracket}"
+            if len(names) == 2 and not within
+            else bracket.strip() or f"{names[0]}, ..."
+        )
     return (f"{group}\n" if within else "") + text

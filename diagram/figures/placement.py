@@ -238,7 +238,7 @@ def _columns(nodes: Sequence[Node], arrows: Sequence[Arrow], order: Sequence[int
 
 @dataclass
 class _Item:
-    """What moves as one: a node or a nested diagram, a rectangle of cells with the rows of its nodes inside."""
+    """A part that moves as one: a node or a nested diagram, a rectangle of cells with the rows of its nodes inside."""
 
     rows: dict[int, int]
     left: int

@@ -54,8 +54,8 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     ax.set_xlabel(f"time [{unit}]")
     ax.set_xlim(t[0] / scale, t[-1] / scale)
     failed = len(result) - whole.size
-    told = f"{result.variants.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
-    figure.suptitle(told, x=0.01, ha="left", fontsize=11, weight="bold")
+    text = f"{result.variants.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
+    figure.suptitle(text, x=0.01, ha="left", fontsize=11, weight="bold")
     if failed:
         ax.set_title(f"{failed} variants not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
     return figure

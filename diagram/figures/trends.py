@@ -1,7 +1,7 @@
 """Figures of what was simulated: the trends of a run with its events.
 
-What swings too often to be told apart over the run is drawn as the band that it covers, and its last cycles beside.
-Where a short start-up would squeeze a cycle, the axis is that of the cycle, and how far the start-up goes is said.
+Where single cycles are too narrow to see, the picture has the band that they cover, and a panel with the last cycles.
+Where a short start-up would squeeze a cycle, the axis fits the cycle, and a text says how far the start-up goes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -81,8 +81,8 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
         columns[-1, 1].set_xlabel(f"time [{unit}]")
         columns[-1, 1].xaxis.set_major_locator(MaxNLocator(3))
     axes = columns[:, 0]
-    told = finding(run, [s for shown in panels for s in shown])
-    title = ": ".join(word for word in (diagram.name if diagram.name != UNNAMED else "", told) if word)
+    found = finding(run, [s for shown in panels for s in shown])
+    title = ": ".join(word for word in (diagram.name if diagram.name != UNNAMED else "", found) if word)
     figure.suptitle(_wrapped(title or diagram.name, 100), x=0.01, ha="left", fontsize=11, weight="bold")
     notes = []
     if run.status is not Status.OK:
@@ -145,8 +145,8 @@ def _to_cycle(ax: "Axes", log: Log, shown: Sequence[str], size: float) -> None:
     digits = max(0, 1 - int(np.floor(np.log10(high - low))))
     for gone, value, way, height in ((lowest < low, lowest, "down", 0.1), (highest > high, highest, "up", 0.9)):
         if gone:
-            told = f"start-up goes {way} to {value:.{digits}f}"
-            ax.annotate(told, (0.0, height), (8.0, 0.0), xycoords="axes fraction", textcoords="offset points",
+            label = f"start-up goes {way} to {value:.{digits}f}"
+            ax.annotate(label, (0.0, height), (8.0, 0.0), xycoords="axes fraction", textcoords="offset points",
                         va="center", fontsize=8.0, color=SOFT)  # fmt: skip
 
 

@@ -33,8 +33,8 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
         if pole.held or not pole.value.real:
             ax.plot([high], [row], marker="|", color=HELD, markersize=11, clip_on=False)
             why = "held" if pole.held else f"undamped, {pole.frequency:.3g} rad/s" if pole.value.imag else "integrates"
-            told = f"{pole.made_of()}   {why}"
-            ax.annotate(told, (high, row), (-8, 0), textcoords="offset points", va="center", ha="right", color=HELD,
+            text = f"{pole.made_of()}   {why}"
+            ax.annotate(text, (high, row), (-8, 0), textcoords="offset points", va="center", ha="right", color=HELD,
                         fontsize=8)  # fmt: skip
             continue
         colour = UNSTABLE if pole.value.real > 0.0 else STABLE
@@ -43,7 +43,7 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
         ax.plot([pole.time_constant], [row], "o", color=colour, markersize=6.5, zorder=3,
                 markerfacecolor="white" if swings else colour, markeredgewidth=1.6)  # fmt: skip
         said = pole.made_of() + (f"   damping {pole.damping:.2g}" if swings else "")
-        left = np.log(high / pole.time_constant) < 0.45 * np.log(high / low)  # slow ones are told on their left
+        left = np.log(high / pole.time_constant) < 0.45 * np.log(high / low)  # slow ones have their text on the left
         ax.annotate(said, (pole.time_constant, row), (-9 if left else 9, 0), textcoords="offset points", va="center",
                     ha="right" if left else "left", fontsize=8, color=INK, zorder=4,
                     bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip

@@ -232,13 +232,13 @@ def held(here: Slopes) -> tuple[str, ...]:
 def _why(diagram: Diagram, t: float, when: str) -> str:
     """Return what keeps the diagram from resting; ``when`` the search gave up."""
     advice = "give a load that the valves can carry, a start nearer to rest, or another time t for its sources"
-    told = [f"'{diagram.name}' comes to no rest: {when}"]
+    parts = [f"'{diagram.name}' comes to no rest: {when}"]
     if any(block.trouble() for block in diagram.blocks):
-        return "; ".join([*told, advice])
+        return "; ".join([*parts, advice])
     here = slopes(diagram, t)
     pace = np.abs(here.rates) / sizes(here)[1]
     moving = [f"{here.states[i]} ({here.rates[i]:+.3g}/s)" for i in np.argsort(-pace)[:3] if pace[i] > 0.0]
-    told[0] += f" still moving are {', '.join(moving)}" if when.startswith("after") else ""
+    parts[0] += f" still moving are {', '.join(moving)}" if when.startswith("after") else ""
     values = dict(zip(here.signals, here.s.tolist(), strict=True))
     for block in diagram.blocks:
         SP, PV = (values.get(block.loop_signal(part) or "") for part in ("SP", "PV"))
@@ -247,5 +247,5 @@ def _why(diagram: Diagram, t: float, when: str) -> str:
         if abs(SP - PV) > 1e-6 * max(abs(SP), abs(PV)):
             OP = values[block.output_labels[0]]
             where = " at its limit" if OP in block.limits else ""
-            told.append(f"{block.name} misses its set point by {SP - PV:.3g} with OP = {OP:.4g}{where}")
-    return "; ".join([*told, advice])
+            parts.append(f"{block.name} misses its set point by {SP - PV:.3g} with OP = {OP:.4g}{where}")
+    return "; ".join([*parts, advice])

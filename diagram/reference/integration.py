@@ -20,7 +20,8 @@ from stickslip.diagram.kinds import known_loops
 from stickslip.diagram.past import resumed
 from stickslip.diagram.playback import check_logged
 from stickslip.diagram.reference.interpreter import Interpreter
-from stickslip.diagram.simulation import Run, in_order, set_up
+from stickslip.diagram.run_events import in_order
+from stickslip.diagram.simulation import Run, set_up
 from stickslip.engine.status import HINTS, Statistics, Status
 from stickslip.logs import Log
 from stickslip.logs.loop_signals import LoopsLater, within

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.reference.deciding import deciding
 
 Floats = NDArray[np.float64]
 IMPULSE = 1e12  # rate that stands for a jump
@@ -66,7 +67,7 @@ class Interpreter:
         self.n_fired = 0
         self.n_rates = 0
         self.events: list[tuple[float, int, float, float]] = []  # t, block, value of the mode before and after
-        self.above = self._deciding()
+        self.above = deciding(self.blocks, self.wires, self.places, set(self.dead))
         self._enter_breaks(t0, 0)
         self.first = True  # nothing went before the first instant, so nothing can have jumped
         self.shown = {  # block that looks at slopes -> its inputs when it was last shown a jump
@@ -80,18 +81,6 @@ class Interpreter:
     def rounding(t: float) -> float:
         """Return the time difference [s] that is none at ``t``."""
         return 8.0 * math.ulp(max(1.0, abs(t)))
-
-    def _deciding(self) -> NDArray[np.bool_]:
-        """Return (blocks, blocks): whether what the first does at an instant changes what the second reads then."""
-        n = len(self.blocks)
-        above = np.zeros((n, n), dtype=bool)
-        for b, wires in enumerate(self.wires):
-            for a, block in enumerate(self.blocks):
-                at_once = a not in self.dead and (block.kernels.feeds or block.kernels.jumps)
-                above[a, b] = at_once and bool(np.isin(self.places[a], wires).any())
-        for k in range(n):
-            above |= np.outer(above[:, k], above[k])
-        return above
 
     def _p(self, b: int, t: float) -> Floats:
         """Return the parameters of a block and the row of its timetable that is in force at ``t`` [s]."""

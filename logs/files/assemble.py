@@ -40,7 +40,7 @@ _FIGURE = re.compile(r"[-+]?[\d.,]")
 class Layout:
     """Times of the rows and the names of what can be taken as a signal (columns, or tags of a long table).
 
-    What one loop after another asks of the whole file is worked out once.
+    Work that is the same for every loop of a file is done once.
     """
 
     table: Table
@@ -188,8 +188,8 @@ def _columns(
     good: dict[str, npt.NDArray[np.bool_]] = {}
     unclear: dict[str, str] = {}
     for name in wanted.values() if wanted else layout.names:
-        told = role_of(name)
-        is_mode = name in mode or (layout.heading is None and told is not None and told[1] == "MODE")
+        known = role_of(name)
+        is_mode = name in mode or (layout.heading is None and known is not None and known[1] == "MODE")
         if not is_mode and wanted is None and layout.heading is None and _is_text(frame[name]):
             notes.append(f"Column {name!r} holds no number and is left out.")
             continue
@@ -203,13 +203,13 @@ def _columns(
             notes += parsed.notes
         mask = parsed.good
         for column in layout.marks_of.get(name, ()):
-            told_quality = qualities(frame[column], column, flags=own)
-            if told_quality is None:
-                unclear[column] = f"The quality in {column!r} cannot be told and is not used."
+            quality = qualities(frame[column], column, flags=own)
+            if quality is None:
+                unclear[column] = f"The quality in {column!r} cannot be recognised and is not used."
                 continue
-            mask = told_quality if mask is None else mask & told_quality
+            mask = quality if mask is None else mask & quality
             if not own:
-                notes += bad_values(name, column, told_quality, parsed.values)
+                notes += bad_values(name, column, quality, parsed.values)
         # Quality that says no more than "missing" is not worth keeping, except in a file of our own.
         if mask is not None and (layout.heading is not None or not mask.all()):
             good[name] = mask

@@ -34,15 +34,15 @@ def carried_over(t: Values, values: dict[str, Values], good: dict[str, Mask], no
     """
     reported = {name: ~np.isnan(v) for name, v in values.items()}
     anywhere = np.logical_or.reduce([*reported.values()])
-    for name, told in reported.items():
+    for name, seen in reported.items():
         mask = good.get(name)
-        blank = ~told & anywhere if mask is None else ~told & anywhere & mask
+        blank = ~seen & anywhere if mask is None else ~seen & anywhere & mask
         runs = int(np.count_nonzero(np.diff(blank.astype(np.int8), prepend=0) == 1))
         role = role_of(name)
         part = "" if role is None else role[1]
-        if part == "MODE" or not told.any() or np.mean(blank) < _BLANK_SHARE or (runs < _RUNS and part != "SP"):
+        if part == "MODE" or not seen.any() or np.mean(blank) < _BLANK_SHARE or (runs < _RUNS and part != "SP"):
             continue
-        rows = np.flatnonzero(told) if mask is None else np.flatnonzero(told | ~mask)
+        rows = np.flatnonzero(seen) if mask is None else np.flatnonzero(seen | ~mask)
         own = mask[rows] if mask is not None else np.ones(len(rows), dtype=bool)
         held = is_held(name)
         values[name], kept = carried(t, t[rows], values[name][rows], own, held=held)
@@ -50,7 +50,7 @@ def carried_over(t: Values, values: dict[str, Values], good: dict[str, Mask], no
             good[name] = kept
         how = "held from the report before" if held else "on the line between reports"
         notes[:] = [note for note in notes if not (note.startswith(f"{name}: ") and note.endswith("blank: missing."))]
-        notes.append(f"{name}: reported in {int(told.sum())} of {len(t)} rows, {how} in the others.")
+        notes.append(f"{name}: reported in {int(seen.sum())} of {len(t)} rows, {how} in the others.")
 
 
 def carried(

@@ -14,7 +14,7 @@ __all__ = ["Roles", "choose_columns", "named_columns", "why_unused"]
 
 @dataclass(frozen=True)
 class Roles:
-    """The columns of one loop, what was assumed in choosing them, and the parts that were left out as told."""
+    """The columns of one loop, what was assumed in choosing them, and the parts that the caller left out."""
 
     pv: str
     op: str
@@ -71,7 +71,7 @@ def choose_columns(columns: Columns, given: Mapping[str, str | None] | None = No
 
 
 def named_columns(columns: Columns, named: Mapping[str, str], loop: str) -> Roles:
-    """The columns of one loop as they are told, "" for a part that is not there: nothing is guessed.
+    """The columns of one loop as the caller states them, "" for a part that is not there: nothing is guessed.
 
     Raises ReadError as ``choose_columns`` does.
     """
@@ -109,13 +109,13 @@ def _checked(columns: Columns, picked: Mapping[str, str], loop: str) -> Roles:
 
 def why_unused(column: str, roles: Roles) -> str:
     """Why a column of the file plays no part in the loop."""
-    told = role_of(column)
-    if told is None:
+    known = role_of(column)
+    if known is None:
         return "its name tells no part of the loop"
-    tag, role = told
+    tag, role = known
     part = "MV" if role == "STEM" else role
     if part.casefold() in roles.left_out:
-        return "left out as told"
+        return "left out as asked"
     what = "stem position" if role == "STEM" else role
     if tag and plain(tag) != plain(roles.loop):
         remedy = "; name it with mv= (--mv) if it is this valve" if role == "STEM" and not roles.mv else ""
@@ -132,9 +132,9 @@ def _one_loop(free: Columns, named: Mapping[str, str], loop: str | None) -> tupl
             return group.tag, dict(group.parts), []
         raise ReadError(f"no loop {loop!r}; the file has {_listed(free.loops) if free.loops else 'no named loop'}")
     for part in ("pv", "op"):  # a column the user named tells the loop
-        told = role_of(named[part]) if named.get(part) else None
-        if told and plain(told[0]) in groups:
-            group = groups[plain(told[0])]
+        known = role_of(named[part]) if named.get(part) else None
+        if known and plain(known[0]) in groups:
+            group = groups[plain(known[0])]
             return group.tag, dict(group.parts), []
     if named.get("pv") and named.get("op"):
         return "", dict(untagged), []

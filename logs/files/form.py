@@ -1,4 +1,4 @@
-"""How a file is written: what its readers may be told of it, in one place for all of them."""
+"""How a file is written: what a caller may state about it, in one place for all readers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["Form", "checked"]
 
 
 class Form(TypedDict, total=False):
-    """What a reader is told of a table of signals over time; what is not given is found out.
+    """What a caller states about a table of signals over time; a reader finds out the rest.
 
     Parameters: ``time`` (str) Column of the time; ``decimal``, ``separator`` (str) Decimal mark and the character
     between cells; ``time_format`` (str) strptime format of the time stamps; ``interval`` (float) Seconds between rows

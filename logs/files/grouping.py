@@ -64,9 +64,9 @@ class Columns:
         shown: dict[str, str] = {}
         held: dict[str, list[tuple[str, str]]] = {}
         for column in self.names:
-            told = role_of(column)
-            if told is not None:
-                tag, role = told
+            known = role_of(column)
+            if known is not None:
+                tag, role = known
                 shown.setdefault(plain(tag), tag)
                 held.setdefault(plain(tag), []).append((role, column))
         return {
@@ -105,7 +105,7 @@ class Columns:
         another part already.
         """
         # Only the groups that have lost a column to the loop are looked at again.
-        touched = {plain(told[0]) for told in map(role_of, picked) if told is not None} & self.groups.keys()
+        touched = {plain(known[0]) for known in map(role_of, picked) if known is not None} & self.groups.keys()
         rest = type(self)(c for key in touched for c in self.groups[key].all if c not in picked)
         wanted = [numbers for numbers in map(numbers_in, hints) if numbers]
         near = {

@@ -15,7 +15,7 @@ from stickslip.logs.files.time_names import is_date_name, is_time_name
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["told_apart", "with_tag_row", "without_twins"]
+__all__ = ["with_tag_row", "without_repeats", "without_twins"]
 
 _FIGURE = re.compile(r"\d[\d.,:]*$")
 
@@ -47,10 +47,10 @@ def with_tag_row(
     return names, rows[1:]
 
 
-def told_apart(header: list[str]) -> tuple[list[str], dict[str, str]]:
+def without_repeats(header: list[str]) -> tuple[list[str], dict[str, str]]:
     """A header without repeats, and the later name of each repeat -> the name that it repeats.
 
-    >>> told_apart(["time", "PV", "PV"])
+    >>> without_repeats(["time", "PV", "PV"])
     (['time', 'PV', 'PV again (column 3)'], {'PV again (column 3)': 'PV'})
     """
     seen: Counter[str] = Counter()
@@ -69,8 +69,8 @@ def without_twins(
 ) -> pl.DataFrame:
     """The frame without columns that repeat another, name and cells alike.
 
-    ``name_of`` maps a header cell to its column, ``twins`` is that of ``told_apart``. Raises ReadError if two columns
-    of one name differ.
+    ``name_of`` maps a header cell to its column, ``twins`` is that of ``without_repeats``. Raises ReadError if two
+    columns of one name differ.
     """
     for twin, name in twins.items():
         if not frame[name_of[twin]].equals(frame[name_of[name]]):

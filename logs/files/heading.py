@@ -19,7 +19,7 @@ FIRST_LINE = "stickslip log 1"
 
 @dataclass(frozen=True)
 class Heading:
-    """What a file written by this package says about its signals."""
+    """The metadata of signals in a file that this package wrote."""
 
     origin: str = ""
     start: datetime | None = None

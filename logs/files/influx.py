@@ -38,7 +38,7 @@ def with_fields_named(table: Table) -> Table:
 
 
 def _named(owner: str, field: str, *, alone: bool) -> str:
-    told = role_of(field)
-    if not owner or (told is not None and told[0]):
+    known = role_of(field)
+    if not owner or (known is not None and known[0]):
         return field
     return owner if alone else f"{owner}.{field}"

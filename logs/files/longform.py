@@ -73,7 +73,7 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
 
 @dataclass(frozen=True)
 class LongRows:
-    """The rows of each tag, in their order, and True where the quality of a row is good, None where it is not told."""
+    """The rows of each tag, in their order; ``good`` is True where the quality is good, None where a file has none."""
 
     of_tag: dict[str, npt.NDArray[np.intp]]
     good: npt.NDArray[np.bool_] | None
@@ -105,11 +105,11 @@ def pivot(
 
     Raises ReadError if one tag has two values at one time or its rows are not in time order.
     """
-    told = rows_of.good
+    quality = rows_of.good
     series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
     notes: list[str] = []
-    if long.quality is not None and told is None:
-        notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
+    if long.quality is not None and quality is None:
+        notes.append(f"The quality in {long.quality!r} cannot be recognised and is not used.")
     for tag in tags:
         rows = rows_of.of_tag[tag]
         own_lines = [lines[row] for row in rows]
@@ -120,9 +120,9 @@ def pivot(
         else:
             parsed = numbers(part[long.value], tag, own_lines, decimal)
         good = parsed.good if parsed.good is not None else np.ones(len(rows), dtype=bool)
-        if told is not None:
-            good = good & told[rows]
-            notes += bad_values(tag, str(long.quality), told[rows], parsed.values)
+        if quality is not None:
+            good = good & quality[rows]
+            notes += bad_values(tag, str(long.quality), quality[rows], parsed.values)
         t, keep, found = ordered_times(clock[rows], own_lines, [parsed.values, good.astype(float)], tag)
         notes += [f"{tag}: {note}" for note in found]
         notes += parsed.notes

@@ -95,9 +95,9 @@ def loop_of(
     if noted is None:
         roles = choose_columns(layout.columns, given, loop)
     else:  # the file says which signals belong together; what the user names goes before it
-        told = {part: column for part, column in (given or {}).items() if column is not None}
+        stated = {part: column for part, column in (given or {}).items() if column is not None}
         parts = {part: noted.parts.get(part, "") for part in ("sp", "pv", "op", "mv", "mode")}
-        roles = named_columns(layout.columns, parts | told, tag)
+        roles = named_columns(layout.columns, parts | stated, tag)
     wanted = roles.used
     log = origin.on(assemble(layout, wanted, [roles.mode] if roles.mode else []))
     notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
@@ -177,8 +177,8 @@ def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | N
 
 
 def _tag_of(column: str) -> str | None:
-    told = role_of(column)
-    return None if told is None else plain(told[0])
+    known = role_of(column)
+    return None if known is None else plain(known[0])
 
 
 def _differs(column: str, part: str, loop: str) -> bool:

@@ -56,11 +56,11 @@ def role_of(column: str) -> tuple[str, str] | None:
     >>> role_of("FV211.POS"), role_of("ZT-211.PV"), role_of("ZI211")
     (('FV211', 'STEM'), ('ZT-211', 'STEM'), ('ZI211', 'STEM'))
     """
-    told = _by_words(column) or _by_words(column.partition(" - ")[0])  # "FIC211.PV - Feed flow"
-    tag = told[0] if told and told[1] == "PV" else "" if told else _loop_part(column)
+    known = _by_words(column) or _by_words(column.partition(" - ")[0])  # "FIC211.PV - Feed flow"
+    tag = known[0] if known and known[1] == "PV" else "" if known else _loop_part(column)
     if _POSITION.match(tag):
         return tag, "STEM"
-    return told
+    return known
 
 
 def _by_words(column: str) -> tuple[str, str] | None:

@@ -14,7 +14,7 @@ from stickslip.logs.files.time_names import TIME_UNITS, unit_named
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Times", "times_from_numbers", "told_unit"]
+__all__ = ["Times", "stated_unit", "times_from_numbers"]
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,12 @@ _LONG_S = (600, 720, 900, 1200, 1800, 3600, 7200, 14400, 21600, 28800, 43200, 86
 _USUAL_S = (0.1, 0.2, 0.25, 0.5, 1, 2, 4, 5, 10, 15, 20, 30, 60)  # usual intervals [s] of a historian or a logger
 
 
-def told_unit(word: str) -> str:
+def stated_unit(word: str) -> str:
     """The unit that a caller names, one of ``TIME_UNITS``.
 
     Raises ReadError for others.
 
-    >>> told_unit("milliseconds")
+    >>> stated_unit("milliseconds")
     'ms'
     """
     unit = unit_named(word)
@@ -83,15 +83,15 @@ def told_unit(word: str) -> str:
     return unit
 
 
-def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", told: str | None = None) -> Times:
+def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", asked: str | None = None) -> Times:
     """Return the numbers of a time column in seconds.
 
     Parameters: ``numbers`` (polars.Series of Int64 or Float64); ``lines`` (list of int) Line of each row, for messages;
-    ``unit`` (str) Unit that the file states for the column; "" when it states none; ``told`` (str, optional) One of
-    ``TIME_UNITS``, said by the caller: it goes before everything else.
+    ``unit`` (str) Unit that the file states for the column; "" when it states none; ``asked`` (str, optional) One of
+    ``TIME_UNITS``, given by the caller; it overrides everything else.
 
-    Without a unit, counts since a date are known by their size, and other units by the interval between rows:
-    what makes no sense in seconds and is a usual interval in another unit is read in that one.
+    Without a unit, counts since a date are recognised by their size, and other units by the interval between rows.
+    An interval that makes no sense in seconds, but is usual in another unit, is read in that unit.
 
     Raises ReadError for a time that is not finite, or that is not what the caller says it is.
 
@@ -106,7 +106,7 @@ def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", tol
         raise ReadError(f"line {lines[row]} has a time that is not finite ({t[row]}); delete the row")
     low, high = float(t.min()), float(t.max())
     stated = unit_named(unit) if unit.strip() else None
-    chosen = told or stated
+    chosen = asked or stated
     for name, count in _COUNTS.items():
         if chosen in (None, name) and _is_count(name, t, low, high, sure=chosen is not None):
             return _counted(name, count, t)
@@ -116,7 +116,7 @@ def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", tol
                 f"the times {low:.15g} to {high:.15g} are not {_COUNTS[chosen].name}, of the years 1995 to 2060; "
                 "name the unit they are in with time_unit= (--time-unit)"
             )
-        notes = () if chosen == "s" and not told else (f"Time is read in {_WORDS[chosen]} and given in seconds.",)
+        notes = () if chosen == "s" and not asked else (f"Time is read in {_WORDS[chosen]} and given in seconds.",)
         return Times(t.astype(np.float64) * _SECONDS[chosen], notes=notes)
     return _without_unit(t.astype(np.float64), unit.strip())
 

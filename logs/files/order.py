@@ -143,7 +143,7 @@ def _spread(t: Values) -> tuple[Values, list[str]]:
 def about_sampling(t: Values, *, guessed: bool) -> list[str]:
     """Sentences on gaps, missing rows, uneven sampling, and an interval that makes no sense for a process.
 
-    ``guessed`` says that the unit of the time was not told, so that a strange interval may come from it.
+    ``guessed`` says that the unit of the time was not stated, so that a strange interval may come from it.
 
     >>> about_sampling(np.delete(np.arange(60.0), [7, 8, 20, *range(30, 50)]), guessed=False)
     ['1 gap in time, the longest 21 s.', '3 rows are missing in 2 places (1 s is the rule).']

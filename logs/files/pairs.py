@@ -42,7 +42,7 @@ def with_times_named(header: list[str], first: list[str]) -> list[str]:
 
 
 def numbered_pairs(header: list[str]) -> list[str]:
-    """The header with its time columns told apart."""
+    """The header with its time columns numbered."""
     return [f"{name}{_MARK}{i}" if name == header[0] else name for i, name in enumerate(header)]
 
 

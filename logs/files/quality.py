@@ -69,12 +69,12 @@ def _targets(name: str, names: list[str], by_plain: dict[str, str], by_loop: dic
 
 
 def _loop_of(name: str) -> str:
-    told = role_of(name)
-    return plain(told[0]) if told else ""
+    known = role_of(name)
+    return plain(known[0]) if known else ""
 
 
 def qualities(column: pl.Series, name: str = "", *, flags: bool = False) -> npt.NDArray[np.bool_] | None:
-    """True for good, shape (n,); None if the codes cannot be told.
+    """True for good, shape (n,); None if the codes cannot be recognised.
 
     Understood are words, 1 and 0, confidence in % (PHD: 100 good, 0 bad), OPC DA and Foundation Fieldbus codes (128
     and above good) and OPC UA status codes (below 2^30 good). A 0 is good in some systems and bad in others: with 1
@@ -114,7 +114,7 @@ def _codes(text: pl.Series) -> pl.Series:
 
 
 def _good_codes(codes: npt.NDArray[np.float64], name: str, *, flags: bool) -> tuple[float, float] | None:
-    """Good codes as a range low <= code < high; None if it cannot be told."""
+    """Good codes as a range low <= code < high; None if it cannot be recognised."""
     top = codes.max()
     if flags:
         return 1.0, 1.5

@@ -46,14 +46,14 @@ def read_log(
 ) -> Log:
     """Read a CSV, text or Parquet file, or a data frame, as a log.
 
-    Parameters: ``source`` (path or data frame) The file; Parquet is told by its content, not by its name. Or a frame of
+    Parameters: ``source`` (path or data frame) The file; Parquet is recognised by its content. Or a frame of
     pandas, polars, pyarrow or any library that speaks Arrow; an index of pandas that is not just a count of the rows
     becomes a column; ``columns`` (mapping, optional) Name in the log -> column (or tag of a long table) in the file;
     only these are read. Otherwise every column with numbers is read under its own name; ``time`` (str, optional) Column
     of the time; ``decimal``, ``separator`` (str, optional) Decimal mark and the character between cells, found from the
     file when not given; ``time_format`` (str, optional) strptime format of the time stamps; ``interval`` (float,
     optional) Seconds between rows [s], for files without a usable time; ``time_unit`` ({"s", "ms", "us", "ns", "min",
-    "h", "d", "filetime", "datenum", "excel", "labview", "ticks"}, optional) Unit of a time of numbers; otherwise told
+    "h", "d", "filetime", "datenum", "excel", "labview", "ticks"}, optional) Unit of a time of numbers; otherwise found
     from its name, its size or its interval, and noted. "filetime" is 100 ns since 1601, "ticks" 100 ns since the year
     1, "datenum" MATLAB's days, "excel" a spreadsheet's days, "labview" seconds since 1904; "s" to "ns" may count from
     1970.
@@ -98,13 +98,13 @@ def read_loop(
     optional) Columns (or tags) of the signals; guessed from their names when not given, "" leaves one out; ``loop``
     (str, optional) Tag of the loop, for a file with several; ``name`` (str, optional) Name to give the loop; otherwise
     its tag, or the name of the file (of a frame: "loop"); ``process`` ({"self_regulating", "integrating", "unknown"},
-    optional) Otherwise told from the first letter of the tag: levels integrate; ``op_span`` ((low, high), optional)
-    Span of OP in its unit; otherwise told from its unit or its values; ``time``, ``decimal``, ``separator``,
+    optional) Otherwise taken from the first letter of the tag: levels integrate; ``op_span`` ((low, high), optional)
+    Span of OP in its unit; otherwise taken from its unit or its values; ``time``, ``decimal``, ``separator``,
     ``time_format``, ``interval``, ``time_unit`` As for ``read_log``.
 
     Returns a LoopRecord whose signals are called SP, PV, OP, MV and MODE and whose notes say what was assumed.
 
-    Raises ReadError as ``read_log`` does, and if the loop cannot be told.
+    Raises ReadError as ``read_log`` does, and if the loop cannot be identified.
 
     >>> import tempfile, pathlib
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "trend.csv"

@@ -31,7 +31,7 @@ LONGEST_VALUE_CHARACTERS = 60  # characters of a value in a message
 
 @dataclass(frozen=True)
 class Kept:
-    """What kind of rows a folder keeps.
+    """The kind of rows that a folder keeps.
 
     name : str
         Of the files, and in messages: "study".
@@ -41,7 +41,7 @@ class Kept:
         Column of whole numbers that tells the order of the rows.
     error : type of exception
         Raised where the folder cannot be used.
-    told : function (wanted, found) -> list of str
+    phrases_of : function (wanted, found) -> list of str
         What differs between two requests, a phrase each.
     """
 
@@ -49,7 +49,7 @@ class Kept:
     schema: str
     key: str
     error: type[ValueError]
-    told: Callable[[Mapping[str, Any], Mapping[str, Any]], list[str]]
+    phrases_of: Callable[[Mapping[str, Any], Mapping[str, Any]], list[str]]
 
     @property
     def table(self) -> str:
@@ -156,13 +156,13 @@ def _check(folder: RowsFolder) -> None:
         return
     try:
         found = dict(json.loads(manifest.read_text())["request"])
-        phrases = kept.told(json.loads(json.dumps(folder.request)), found)
+        phrases = kept.phrases_of(json.loads(json.dumps(folder.request)), found)
     except (OSError, ValueError, KeyError, TypeError):
         raise kept.error(f"'{manifest}' cannot be read as a {kept.name}; fresh starts anew (--fresh)") from None
     if phrases:
-        told = "; ".join(phrases[:6])
+        phrases_of = "; ".join(phrases[:6])
         raise kept.error(
-            f"'{path}' holds another {kept.name} ({told}); give the same request to go on with it, name another "
+            f"'{path}' holds another {kept.name} ({phrases_of}); give the same request to go on with it, name another "
             "folder, or throw it away with fresh (--fresh)"
         )
 

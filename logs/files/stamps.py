@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.logs.errors import ReadError
 from stickslip.logs.files.calendar_numbers import calendar_text, with_marks
-from stickslip.logs.files.numeric_time import Times, times_from_numbers, told_unit
+from stickslip.logs.files.numeric_time import Times, stated_unit, times_from_numbers
 
 if TYPE_CHECKING:
     import polars as pl
@@ -30,7 +30,7 @@ _DATES = {
     "day/month/year": r"^(?P<D>\d{1,2})[-/](?P<M>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
 }
 # English first, then German, Nordic, Dutch, French, Spanish, Italian and Portuguese, where they differ. French "jui"
-# may be June or July: not told.
+# may be June or July: not decided.
 _MONTH_WORDS = (
     "jan ene gen", "feb fév fev", "mar mär mrz mrt maa", "apr avr abr", "may mai maj mei mag", "jun giu",
     "jul lug", "aug aoû aou ago", "sep set", "oct okt ott out", "nov", "dec dez des déc dic",
@@ -111,7 +111,7 @@ def _from_numbers(column: pl.Series, lines: list[int], unit: str, time_unit: str
         raise ReadError(f"line {lines[_first(column.is_null())]} has no time; delete the row or fill in the time")
     whole = column.cast(pl.Int64, strict=False) if column.dtype.is_integer() else None
     numbers = whole if whole is not None and whole.null_count() == 0 else column.cast(pl.Float64)
-    return times_from_numbers(numbers, lines, unit, None if time_unit is None else told_unit(time_unit))
+    return times_from_numbers(numbers, lines, unit, None if time_unit is None else stated_unit(time_unit))
 
 
 def _from_datetimes(column: pl.Series, lines: list[int]) -> Times:

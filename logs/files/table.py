@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stickslip.logs.errors import ReadError
-from stickslip.logs.files.headers import told_apart, with_tag_row, without_twins
+from stickslip.logs.files.headers import with_tag_row, without_repeats, without_twins
 from stickslip.logs.files.lines import LOOK_LINES, cells_of, numbered_lines, width_of, without_frame
 from stickslip.logs.files.pairs import is_paired, long_from_pairs, numbered_pairs, with_times_named
 from stickslip.logs.files.size import check_columns
@@ -99,7 +99,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
         header, rows = with_tag_row(header, rows, chosen, notes)
     _check_header(header, numbered[0][0], chosen)
     _check_widths(rows, len(header), chosen)
-    header, twins = told_apart(header)
+    header, twins = without_repeats(header)
     names, units = names_and_units(header) if split_units else (header, {})
     if split_units:
         rows = _without_word_rows(rows, names, units, chosen, notes)

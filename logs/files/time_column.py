@@ -31,7 +31,7 @@ def find_times(table: Table, form: Form, decimal: str) -> tuple[Table, Times, se
     Returned are the rows that have a time, their times, and the columns used.  Other columns of times follow, each with
     the reason why it is not used, and notes.
 
-    ``decimal`` is the decimal mark, told or found. A few rows without a time are left out: the record has a gap there,
+    ``decimal`` is the decimal mark. A few rows without a time are left out: the record has a gap there,
     as for any missing row.
 
     Raises ReadError if no column is plainly the time, or the one that is cannot be read.
@@ -50,8 +50,8 @@ def find_times(table: Table, form: Form, decimal: str) -> tuple[Table, Times, se
             raise ReadError("time and interval are both given; give one of them")
         if not (np.isfinite(interval) and interval > 0):
             raise ReadError(f"interval = {interval!r} s is not positive; give the seconds between rows")
-        note = f"Time is not read: rows are {interval:g} s apart, as told."
-        aside |= dict.fromkeys(by_name, "the interval is told instead")
+        note = f"Time is not read: rows are {interval:g} s apart, as stated."
+        aside |= dict.fromkeys(by_name, "the interval is stated instead")
         return table, Times(np.arange(frame.height, dtype=np.float64) * interval), set(), aside, [note]
     notes = []
     both = None if time is not None else _date_and_clock(frame, dates)

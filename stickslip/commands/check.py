@@ -48,11 +48,11 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
-def command(files: tuple[Path, ...], **told: Any) -> None:
+def command(files: tuple[Path, ...], **stated: Any) -> None:
     """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
 
-    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' is
-    what is piped in. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
+    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' reads
+    from a pipe. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
     stickslip.detect.Verdict, which is shown beside the others and has no vote.
 
     \b
@@ -74,12 +74,12 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
       2  FILE cannot be read, or the request makes no sense
     """
     with with_standard_input(files) as found:
-        _check(found, **told)
+        _check(found, **stated)
 
 
 def _check(
     files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool | None, measurement: str | None,
-    span: tuple[float, float] | None, own: tuple[str, ...], remedy: bool, **told: Any,
+    span: tuple[float, float] | None, own: tuple[str, ...], remedy: bool, **stated: Any,
 ) -> None:  # fmt: skip
     methods = _methods(own)
     for file in files:
@@ -87,9 +87,9 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import diagnosed, with_told
+    from stickslip.commands.one_loop import diagnosed, with_stated
 
-    many = several(files, told)
+    many = several(files, stated)
     if len(many) > 1 or len(many[0].records) > 1:
         for option, given in (("simulate", simulate), ("span", span is not None), ("method", own), ("remedy", remedy)):
             if given:
@@ -99,7 +99,7 @@ def _check(
     from stickslip.detect.prepare.prepared import prepared
 
     (record,) = many[0].records
-    loop = prepared(with_told(record, measurement, span, told["process"] is None))
+    loop = prepared(with_stated(record, measurement, span, stated["process"] is None))
     diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
@@ -163,8 +163,8 @@ def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> di
         f"With the calibrated model's {chance(diagnosis.probability)} that makes {chance(both)}. The verdict is "
         "the model's, as everywhere; simulation stands beside it."
     )
-    told = found.to_dict() | {"together": both}
-    return {"simulation": told}
+    stated = found.to_dict() | {"together": both}
+    return {"simulation": stated}
 
 
 def _remedy(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:

@@ -22,7 +22,7 @@ OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that nam
 
 
 class Read(NamedTuple):
-    """What a file holds: its loops, and the whole log where they are several; or why it cannot be read."""
+    """The content of a file: its loops, and the whole log if there are several; or why it cannot be read."""
 
     file: Path
     records: "tuple[LoopRecord, ...]"
@@ -30,18 +30,18 @@ class Read(NamedTuple):
     fault: str = ""
 
 
-def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read]":
+def several(files: Sequence[Path], stated: Mapping[str, Any]) -> "list[Read]":
     """Return what every file holds; of one file, where options name a loop or its columns, that loop alone.
 
     Raises ``ValueError`` where options that name the parts of one loop meet several files, and as ``read_loops`` does.
     """
-    one = [part for part in OF_ONE if told.get(part) is not None]
+    one = [part for part in OF_ONE if stated.get(part) is not None]
     if one and len(files) > 1:
         option = one[0].replace("_", "-")
         raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
     from stickslip.logs import ReadError, read_log, read_loop, read_loops
 
-    options = {name: value for name, value in told.items() if value is not None}
+    options = {name: value for name, value in stated.items() if value is not None}
     if one:
         return [Read(files[0], (read_loop(files[0], **options),), None)]
     found = []
@@ -64,7 +64,7 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
-    from stickslip.commands.one_loop import diagnosed, with_told
+    from stickslip.commands.one_loop import diagnosed, with_stated
     from stickslip.detect.prepare.prepared import prepared
 
     check_targets({"--html": html, "--json": json_file})
@@ -73,7 +73,7 @@ def check_many(
     found = [read for read in found if not read.fault]
     if not found:
         raise ValueError("; ".join(fault for _, fault in faults))
-    loops = [[prepared(with_told(one, measurement, None, infer=True)) for one in read.records] for read in found]
+    loops = [[prepared(with_stated(one, measurement, None, infer=True)) for one in read.records] for read in found]
     judged = [(read.file, [diagnosed(one) for one in each]) for read, each in zip(found, loops, strict=True)]
     tags = _tags(judged, loops)
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]

@@ -1,4 +1,4 @@
-"""What every command shares: words to the right stream, one JSON document, errors without tracebacks."""
+"""Output of every command: words to the right stream, one JSON document, errors without tracebacks."""
 
 import json
 import os

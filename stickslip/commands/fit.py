@@ -43,7 +43,7 @@ def loop_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
 @json_option
 @user_errors
 def command(
-    files: tuple[Path, ...], python: Path | None, html: Path | None, json_file: str | None, **told: Any
+    files: tuple[Path, ...], python: Path | None, html: Path | None, json_file: str | None, **stated: Any
 ) -> None:
     """Fit a loop to its own log: controller, valve, process, load and noise, each with a 90 % interval.
 
@@ -65,7 +65,7 @@ def command(
     """
     check_targets({"--python": python, "--html": html, "--json": json_file}, {"--python": (".py",)}, files[0])
     say = Speaker(json_file)
-    found = fitted(files, told)
+    found = fitted(files, stated)
     tell(say, found)
     if python is not None:
         from stickslip.remedy import python_of
@@ -81,21 +81,21 @@ def command(
     raise SystemExit(1 if found.sticks else 0)
 
 
-def records_of(files: "Sequence[Path]", told: "dict[str, Any]") -> "list[LoopRecord]":
+def records_of(files: "Sequence[Path]", stated: "dict[str, Any]") -> "list[LoopRecord]":
     """Return the loop's record in each file; raises ``ValueError`` where a file holds several loops."""
     from stickslip.logs import read_loop
 
-    options = {name: value for name, value in told.items() if value is not None}
+    options = {name: value for name, value in stated.items() if value is not None}
     return [read_loop(file, **options) for file in files]
 
 
-def fitted(files: "Sequence[Path]", told: "dict[str, Any]") -> "LoopFit":
+def fitted(files: "Sequence[Path]", stated: "dict[str, Any]") -> "LoopFit":
     """Return the fit of the loop in these files; what is done is said on a terminal."""
     from stickslip.engine.notice import noticed
     from stickslip.remedy import fit
 
     with noticed("the fit of a loop"):
-        return fit(records_of(files, told), progress=working)
+        return fit(records_of(files, stated), progress=working)
 
 
 def working(what: str) -> None:
@@ -114,16 +114,18 @@ def tell(say: Speaker, found: "LoopFit") -> None:
 
 
 def sentences(found: "LoopFit") -> list[str]:
-    """Return what is said of a fit beside its table."""
+    """Return the sentences that stand below the table of a fit."""
     law = found.controller
-    told = f"The controller is {law.form}, every {law.dt:g} s; its law tells {100 * law.told:.1f} % of how OP moves."
+    law_line = (
+        f"The controller is {law.form}, every {law.dt:g} s; its law explains {100 * law.told:.1f} % of how OP moves."
+    )
     kind = "integrates" if found.best.integrating else "settles by itself"
     fits = (
-        f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not foretold; the "
+        f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not predicted; the "
         f"stem alone, without the load, leaves {100 * found.free_error:.0f} %."
     )
-    gain = f"A stick tells PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
-    return [told, fits, *([gain] if gain else []), *found.notes]
+    gain = f"A stick predicts PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
+    return [law_line, fits, *([gain] if gain else []), *found.notes]
 
 
 def fit_section(found: "LoopFit") -> "Section":

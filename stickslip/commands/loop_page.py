@@ -63,30 +63,30 @@ def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
 
     word = WORDS[diagnosis.verdict]
     section = Section("The answer", word.spoken.upper(), word.kind, diagnosis.reason)
-    told: dict[str, str] = {}
+    facts: dict[str, str] = {}
     if diagnosis.probability is not None:
-        told["Probability of stiction"] = chance(diagnosis.probability)
+        facts["Probability of stiction"] = chance(diagnosis.probability)
     others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction" and p >= UNLIKELY]
     if others:
-        told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in others[:SEVERAL])
+        facts["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in others[:SEVERAL])
     for number, why in enumerate(diagnosis.because, 1):
-        told[f"Reason {number}"] = why
+        facts[f"Reason {number}"] = why
     for name, size in (diagnosis.amount or {}).items():
-        told[f"{_SIZES[name]} {name}"] = str(size)
+        facts[f"{_SIZES[name]} {name}"] = str(size)
     if diagnosis.detection_limit is not None:
         limit, unit = diagnosis.detection_limit
-        told["Detection limit"] = f"a stick above {limit:.2g} {unit} would have shown"
+        facts["Detection limit"] = f"a stick above {limit:.2g} {unit} would have shown"
     else:
-        told["Detection limit"] = "not known for this record"
-    told["Oscillation"] = _oscillation(diagnosis, loop)
+        facts["Detection limit"] = "not known for this record"
+    facts["Oscillation"] = _oscillation(diagnosis, loop)
     if diagnosis.performance is not None and not _at_rest(diagnosis):
-        told["Control"] = _performance(diagnosis.performance)
+        facts["Control"] = _performance(diagnosis.performance)
     if diagnosis.action:
-        told["What to do"] = diagnosis.action
+        facts["What to do"] = diagnosis.action
     owner = _owner(diagnosis)
     if owner:
-        told["Who"] = owner
-    section.figures.append(pairs(told))
+        facts["Who"] = owner
+    section.figures.append(pairs(facts))
     return section
 
 
@@ -199,8 +199,8 @@ def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") ->
         section.figures.append(captioned(cycles, str(stem)))
         return section
     finding = f"The stem stands while OP moves in {seen.share:.0%} of the time."
-    told = "The stem as it was logged." if seen.logged else _reconstructed(seen)
-    section.figures.append(captioned(cycles, f"The last cycles. {told}", finding))
+    facts = "The stem as it was logged." if seen.logged else _reconstructed(seen)
+    section.figures.append(captioned(cycles, f"The last cycles. {facts}", finding))
     return section
 
 
@@ -231,20 +231,20 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
         )
     ]  # fmt: skip
     if seen is not None:
-        told = "Level: it sticks. Steep: it jumps." if seen.logged else f"Level: it sticks. {_reconstructed(seen)}"
+        facts = "Level: it sticks. Steep: it jumps." if seen.logged else f"Level: it sticks. {_reconstructed(seen)}"
         title = "The stem against OP." if seen.logged else "The estimated stem (MV) against OP."
-        small.append(captioned(figure_to_svg(plot_stem_op(record, period, seen)), told, title))
+        small.append(captioned(figure_to_svg(plot_stem_op(record, period, seen)), facts, title))
     lines = spectrum(loop)
     if lines is not None:
-        told = "Dotted: harmonics of the period. A sine has none, a triangle 11 % at 3, a square 33 %."
-        small.append(captioned(figure_to_svg(plot_spectrum(lines)), told, _harmonics(lines)))
+        facts = "Dotted: harmonics of the period. A sine has none, a triangle 11 % at 3, a square 33 %."
+        small.append(captioned(figure_to_svg(plot_spectrum(lines)), facts, _harmonics(lines)))
     likeness = correlation(loop)
     if likeness is not None:
-        told = (
+        facts = (
             "Above: how regular each is. Below: near zero at no lag speaks for a sticky valve before a self-regulating "
             "process, a peak of either sign there for an outside wave or tight tuning."
         )
-        small.append(captioned(figure_to_svg(plot_correlation(likeness)), told, _lag(likeness)))
+        small.append(captioned(figure_to_svg(plot_correlation(likeness)), facts, _lag(likeness)))
     section.figures.append(side_by_side(small))
     shown = shown_method(diagnosis)
     if shown is not None:

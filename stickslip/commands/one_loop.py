@@ -1,4 +1,4 @@
-"""What checks of one loop and of several share: what the user says of PV, and the article on a loop."""
+"""Parts that checks of one and of several loops share: the kind of PV that a user states, and the report on a loop."""
 
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ READ = "What was read and assumed"
 UNLIKELY = 0.01  # a cause that is less probable is not listed
 
 
-def with_told(
+def with_stated(
     record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
 ) -> "LoopRecord":
     """Return the record with the measurement that the user gives; the kind of process follows from it unless given,

@@ -23,7 +23,9 @@ TRIAL = "This advice is new and was tested in simulation only: watch the loop fo
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw PV now and then, and travel against variability.")
 @json_option
 @user_errors
-def command(files: tuple[Path, ...], html: Path | None, plot: Path | None, json_file: str | None, **told: Any) -> None:
+def command(
+    files: tuple[Path, ...], html: Path | None, plot: Path | None, json_file: str | None, **stated: Any
+) -> None:
     """Say what to do about the valve of a loop until the shutdown and at it, from its log alone.
 
     The loop is fitted to its log (stickslip fit), each remedy is simulated on loops about equally likely, under the
@@ -49,7 +51,7 @@ def command(files: tuple[Path, ...], html: Path | None, plot: Path | None, json_
     from stickslip.remedy import remedies
 
     say = Speaker(json_file)
-    found = fitted(files, told)
+    found = fitted(files, stated)
     advice = remedies(found, progress=working)
     tell(say, advice)
     if plot is not None:

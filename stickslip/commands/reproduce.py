@@ -127,7 +127,7 @@ def _rows(quick: bool, tell: Tell) -> tuple[list["Row"], "Fresh"]:
 def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
     """Return what holds on starts that no search has seen, and among the rows that tell parameters apart."""
     from stickslip.cases.production import SET
-    from stickslip.cases.starts import telling
+    from stickslip.cases.starts import grouped
 
     middle, low, high = main.met()
     over = f"on one set of {main.starts}; ten sets of 100 take a run without --quick"
@@ -139,7 +139,7 @@ def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
     ]
     sets = {name: {key: bool(row.within) for key, row in rows.items()} for name, rows in _by_set(found).items()}
     if len(sets) > 1:
-        everyone, nobody, rest = telling(list(sets.values()))
+        everyone, nobody, rest = grouped(list(sets.values()))
         middle, low, high = main.met(rest)
         others = ", ".join(f"{name} {sum(of[key] for key in rest)}" for name, of in sets.items() if name != SET)
         said.append(
@@ -256,9 +256,9 @@ def _sets(found: Sequence["Row"]) -> "Section":
     first = next(iter(sets))
     cells = []
     for key, row in sets[first].items():
-        told = [f"{show(r.reproduced)}{'' if r.within else ' ✗'}" for r in (of[key] for of in sets.values())]
+        reproduced = [f"{show(r.reproduced)}{'' if r.within else ' ✗'}" for r in (of[key] for of in sets.values())]
         cells.append(
-            (f"{_named(row)} ({row.table})", show(row.published), row.tolerance.removeprefix("median "), *told)
+            (f"{_named(row)} ({row.table})", show(row.published), row.tolerance.removeprefix("median "), *reproduced)
         )
     met = ", ".join(f"{name} {_met(list(rows.values()))}" for name, rows in sets.items())
     reason = (

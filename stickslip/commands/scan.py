@@ -49,12 +49,12 @@ SHOWN = 20  # rows on the terminal
 @user_errors
 def command(
     source: str, out: Path, html: Path | None, csv_file: Path | None, json_file: str | None, reports: int | None,
-    simulate: int | None, cost: int | None, **told: Any,
+    simulate: int | None, cost: int | None, **stated: Any,
 ) -> None:  # fmt: skip
     """Judge every loop of SOURCE and rank the valves to look at first.
 
     SOURCE is a folder of CSV or Parquet files, one wide or long file of a historian, or a query
-    'duckdb:SELECT ...'. Loops are told by their tags (FIC101.PV, FIC101.OP, ...), or by --map loops.csv.
+    'duckdb:SELECT ...'. Loops are recognised by their tags (FIC101.PV, FIC101.OP, ...), or by --map loops.csv.
     An interrupted scan goes on where it stopped: call it again. --simulate N takes about ten seconds per loop.
 
     \b
@@ -81,7 +81,9 @@ def command(
     say = Speaker(json_file)
     try:
         with reporting(None, 0, "loops") as tell:
-            result = scan(source, out, tell=tell, **{name: value for name, value in told.items() if value is not None})
+            result = scan(
+                source, out, tell=tell, **{name: value for name, value in stated.items() if value is not None}
+            )
     except KeyboardInterrupt:
         complain(f"stopped by the keyboard; what is done is kept in {out}: the same command goes on from there")
         raise SystemExit(130) from None
@@ -90,13 +92,13 @@ def command(
     if simulate is not None:
         from stickslip.commands.scan_simulate import simulated
 
-        beside["simulations"] = simulated(result, source, out, simulate, told.get("loop_map"), told.get("workers"))
+        beside["simulations"] = simulated(result, source, out, simulate, stated.get("loop_map"), stated.get("workers"))
         for one in beside["simulations"]:
             say.paragraph(f"{one['rank']} {one['loop']}: {' '.join(one['sentences'])}", "  - ")
     if cost is not None:
         from stickslip.commands.scan_cost import costs
 
-        beside["costs"] = costs(result, source, out, cost, told.get("loop_map"))
+        beside["costs"] = costs(result, source, out, cost, stated.get("loop_map"))
         say("What the stick costs, the dearest first:")
         for one in beside["costs"]:
             say.paragraph(f"{one['loop']}: {one['sentence']}", "  - ")
@@ -107,7 +109,7 @@ def command(
     if html is not None:
         from stickslip.commands.scan_page import scan_page
 
-        pages = _reports(result, source, out, html, reports, told.get("loop_map")) if reports else {}
+        pages = _reports(result, source, out, html, reports, stated.get("loop_map")) if reports else {}
         write_whole(html, scan_page(result, _headline(result), pages, beside.get("simulations", ())).encode())
         say(f"page: {html}")
     say.document(result.to_dict() | beside)

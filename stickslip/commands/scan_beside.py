@@ -1,4 +1,4 @@
-"""What is worked out for the top of a scan's list only: kept on the way, as the scan itself."""
+"""Work for the top of a scan's list only; its results are saved on the way, as those of the scan."""
 
 import hashlib
 import json

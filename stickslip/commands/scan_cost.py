@@ -1,4 +1,4 @@
-"""What the stick of each sticky loop of a scan costs, the dearest first."""
+"""The cost of the stick in each sticky loop of a scan, the dearest first."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,5 +34,5 @@ def costs(result: "ScanResult", source: str, out: Path, most: int, loop_map: Pat
         return {"cost": own.to_dict(), "sentence": own.words(found.op_unit)}
 
     rows = judged(result, most, "stiction")
-    told = beside(rows, source, out, loop_map, KEPT, SCHEMA, "loops fitted", found_of)
-    return sorted(told, key=lambda one: -(one["cost"]["pv_sd_ratio"]["value"] if one["cost"] else 0.0))
+    costs = beside(rows, source, out, loop_map, KEPT, SCHEMA, "loops fitted", found_of)
+    return sorted(costs, key=lambda one: -(one["cost"]["pv_sd_ratio"]["value"] if one["cost"] else 0.0))

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from stickslip.scan import ScanResult
 
 ROWS = 500  # on the page
-DETAILS = 20  # loops told in full below the list, where they have no page of their own
+DETAILS = 20  # loops described in full below the list, where they have no page of their own
 NAMED = 12  # of a group that are named
 
 Row = dict[str, Any]
@@ -27,12 +27,12 @@ def scan_page(
 
     pages = pages or {}
     rows = list(result.table.head(ROWS).iter_rows(named=True))
-    told = [row for row in rows[:DETAILS] if row["order"] not in pages]
+    facts = [row for row in rows[:DETAILS] if row["order"] not in pages]
     sections = [_found(result, headline), *_changed(result), *_groups(result), *_simulated(simulations)]
     first = len(sections) + 1
-    anchors = {row["order"]: f"#s{first + k}" for k, row in enumerate(told)}
+    anchors = {row["order"]: f"#s{first + k}" for k, row in enumerate(facts)}
     sections.append(_list(result, rows, {**anchors, **pages}))
-    sections += [_detail(row) for row in told]
+    sections += [_detail(row) for row in facts]
     return page(f"Scan of {Path(result.source).name or result.source}", "", sections)
 
 
@@ -162,17 +162,17 @@ def _detail(row: Row) -> "Section":
     section = Section(
         row["loop"], spoken(verdict).upper(), _kind(row["verdict"]) or "open", row["error"] or row["reason"]
     )
-    told = {"What to do": row["action"] or "-", "Likely cause": cause(row) or "-", "S": size(row)}
+    facts = {"What to do": row["action"] or "-", "Likely cause": cause(row) or "-", "S": size(row)}
     if row["S_low"] is not None:
-        told["S"] += f" {row['size_unit']} (90 % interval {row['S_low']:.2g} to {row['S_high']:.2g})"
+        facts["S"] += f" {row['size_unit']} (90 % interval {row['S_low']:.2g} to {row['S_high']:.2g})"
     if row["detection_limit"] is not None:
-        told["Detection limit"] = f"{row['detection_limit']:.2g} {row['size_unit']}"
-    told["Period"] = f"{number(row['period_s'], '.3g')} s" if row["period_s"] else "no oscillation"
-    told["Shared with"] = row["group"] or "-"
-    told["Data"] = f"{row['samples']} samples, one every {row['interval_s']:.3g} s" if row["samples"] else "-"
+        facts["Detection limit"] = f"{row['detection_limit']:.2g} {row['size_unit']}"
+    facts["Period"] = f"{number(row['period_s'], '.3g')} s" if row["period_s"] else "no oscillation"
+    facts["Shared with"] = row["group"] or "-"
+    facts["Data"] = f"{row['samples']} samples, one every {row['interval_s']:.3g} s" if row["samples"] else "-"
     if row["health"]:
-        told["Data"] += f"; {row['health'].replace('_', ' ')}"
-    section.figures.append(pairs(told))
+        facts["Data"] += f"; {row['health'].replace('_', ' ')}"
+    section.figures.append(pairs(facts))
     return section
 
 

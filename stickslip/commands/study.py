@@ -144,8 +144,8 @@ def command(
         raise SystemExit(130)
     say(f"{chosen.name}: {chosen.title}", bold=True)
     counts = result.counts()
-    told = [f"{count} {name}" for name, count in counts.items() if count]
-    say(f"{len(result)} runs in {result.seconds:.3g} s: {', '.join(told)}")
+    counted = [f"{count} {name}" for name, count in counts.items() if count]
+    say(f"{len(result)} runs in {result.seconds:.3g} s: {', '.join(counted)}")
     figures = result.figures() if counts["ok"] else {}
     for name in TITLES:
         if name in figures:
@@ -250,20 +250,20 @@ def _reasons(result: "StudyResult") -> list[tuple[str, int]]:
     from collections import Counter
 
     failed = result.table.filter(result.table["status"] != "OK")
-    told = (
+    reasons = (
         f"{status.lower().replace('_', ' ')}: {re.sub(AT_TIME, '', reason)}"
         for status, reason in failed.select("status", "reason").iter_rows()
     )
-    return Counter(told).most_common()
+    return Counter(reasons).most_common()
 
 
 def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
     from stickslip.commands.report.page import Section, figure_to_svg, page, table_to_html
-    from stickslip.study.told import told
+    from stickslip.study.summary import summary
 
     request = result.request
     sections = []
-    said = told(result) if result.counts()["ok"] else {"": "No run reached its end."}
+    said = summary(result) if result.counts()["ok"] else {"": "No run reached its end."}
     for name, figure in figures.items():
         title, how = TITLES[name]
         section = Section(title, f"{result.counts()['ok']} runs", "good", said.get(name, ""), after=how)

@@ -17,9 +17,9 @@ def tag_section(tag: "Tag") -> "Section":
     from stickslip.commands.report.page import Section, figure_to_svg, table_to_html
     from stickslip.detect.words import WORDS
 
-    told = WORDS[tag.verdict]
+    word = WORDS[tag.verdict]
     name, answer = f"{tag.tag}: {len(tag.records)} records", tag.answer
-    section = Section(name, told.spoken.upper(), told.kind, answer.reason, after=answer.action)
+    section = Section(name, word.spoken.upper(), word.kind, answer.reason, after=answer.action)
     section.figures += [figure_to_svg(tag.plot()), table_to_html(list(DAYS), tag.rows)]
     return section
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with the picture.")
 @json_option
 @user_errors
-def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -> None:
+def command(file: Path, html: Path | None, json_file: str | None, **stated: Any) -> None:
     """Read deadband, resolution and step response of the valve in FILE.
 
     FILE is the record of a step test (ANSI/ISA-75.25.01): OP stepped up and down in several sizes, each held until the
@@ -44,7 +44,7 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
     from stickslip.detect.valve_test import analyse
     from stickslip.logs import read_loop
 
-    test = analyse(read_loop(file, **{name: value for name, value in told.items() if value is not None}))
+    test = analyse(read_loop(file, **{name: value for name, value in stated.items() if value is not None}))
     say = Speaker(json_file)
     say(f"{test.name}: {len(test.steps)} steps of OP, answer read from {test.answer}", bold=True)
     for sentence in test.words:

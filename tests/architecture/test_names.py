@@ -5,6 +5,10 @@ import re
 
 from tests.architecture.house import FILES, PACKAGES, offenders, parsed
 
+OWN = {"told", "telling", "looked", "sureness", "floors"}  # words that only this house used so
+PLAIN_ROOMS = (  # a room that is rewritten is added here, and stays so
+    "blocks", "calibration", "cases", "diagram", "engine", "logs", "plant", "scan", "stickslip", "study",
+)  # fmt: skip
 METAPHORS = {"cast", "crew", "company", "casting", "books", "portfolio", "member", "members", "layer", "layers"}
 
 
@@ -27,6 +31,11 @@ def test_names_are_no_metaphors() -> None:
     assert (
         offenders(lambda path: (words_of(path.read_text()) | set(re.findall(r"[a-z]+", path.stem))) & METAPHORS) == {}
     )
+
+
+def test_names_of_plain_rooms_are_words_of_the_field() -> None:
+    found = offenders(lambda path: words_of(path.read_text()) & OWN)
+    assert {name: words for name, words in found.items() if name.split("/")[0] in PLAIN_ROOMS} == {}
 
 
 def test_the_rule_of_names_can_fail() -> None:
@@ -54,7 +63,7 @@ def test_numbers_are_named_with_their_unit() -> None:
 
 def test_files_are_short() -> None:
     lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
-    assert lengths[-1] < 400 and lengths[len(lengths) * 9 // 10] < 300
+    assert lengths[-1] < 375 and lengths[len(lengths) * 9 // 10] < 300
 
 
 def test_no_room_is_above_a_quarter_of_the_house():

@@ -14,7 +14,7 @@ from stickslip.gap.effects import CATALOGUE
 from benchmarks.foreign import instruments
 from benchmarks.foreign import record as records
 from benchmarks.foreign.historian import filtered, late, swinging_door
-from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve
+from benchmarks.foreign.parts import PI, Feed, Sensor, Valve
 from benchmarks.foreign.record import NAMES, UNSEEN, plant, record
 from benchmarks.foreign.trial import Run
 

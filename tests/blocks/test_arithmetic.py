@@ -4,7 +4,6 @@ import math
 
 import pytest
 from stickslip.blocks.arithmetic import Gain, Sum
-from stickslip.blocks.ports import BlockError
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import ensemble, simulate, wire
 
@@ -47,8 +46,5 @@ def test_gain_and_offset_convert_units():
         (lambda: Gain("y", "u", math.nan), ["factor = nan"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.blocks import BlockError, Equations
+from stickslip.blocks import Equations
 from stickslip.diagram import drive, simulate, wire
 from stickslip.engine.call import address
 
@@ -150,9 +150,5 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("what", REFUSALS)
-def test_refusals(what):
-    attempt, words = REFUSALS[what]
-    with pytest.raises(BlockError) as caught:
-        attempt()
-    for word in words:
-        assert word in str(caught.value), str(caught.value)
+def test_refusals(refuses, what):
+    refuses(*REFUSALS[what])

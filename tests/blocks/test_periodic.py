@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stickslip.blocks.periodic import Sine, Slug, Square, Triangle, whole
-from stickslip.blocks.ports import BlockError
 from stickslip.diagram import simulate, wire
 
 
@@ -115,8 +114,5 @@ def test_compiled_waves_equal_interpreted_ones():
         (lambda: Sine("D", 1.0, 5.0).with_params(phase=math.nan), ["phase = nan", "finite"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)

@@ -11,7 +11,6 @@ from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.first_order import FirstOrder
 from stickslip.blocks.periodic import Sine, Square, Triangle
 from stickslip.blocks.pi import PI
-from stickslip.blocks.ports import BlockError
 from stickslip.blocks.recorded import Recorded, Staircase
 from stickslip.blocks.sensor import SampledSensor, Sensor
 from stickslip.blocks.sources import Constant, Ramp, Step
@@ -315,11 +314,8 @@ def test_span_of_op_are_its_limits_if_finite():
         (lambda: PI(1.0, 5.0).with_params(K_P=0.5), ["K_P", "did you mean 'K_p'"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)
 
 
 @pytest.mark.parametrize("coupling", [1e-3, -1e-3, 0.01, 0.1])

@@ -6,7 +6,6 @@ import control as ct
 import numpy as np
 import pytest
 from stickslip.blocks import PI, PID, FirstOrder, SecondOrder, Staircase, Step
-from stickslip.blocks.ports import BlockError
 from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
@@ -102,8 +101,5 @@ def test_python_control_sees_the_limit():
         (lambda: PID(1.0, 5.0, 1.0).with_params(T_d=0.0), ["T_d = 0.0", "take PI"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as refused:
-        make()
-    for word in words:
-        assert word in str(refused.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)

@@ -161,11 +161,8 @@ def test_op_never_leaves_its_limits_and_a_step_never_changes_its_inputs(K_p, T_i
         (lambda: SampledPI(1.0, 5.0, dt=1.0).with_params(dt=-1.0), ["dt = -1.0", "positive"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)
 
 
 def test_the_integral_may_take_in_the_present_error_first():

@@ -187,8 +187,5 @@ def test_reading_never_changes_the_sensor(PV):
         (lambda: SampledSensor(1.0, inputs={"P": "L"}), ["no input 'P'", "did you mean 'PV'"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)

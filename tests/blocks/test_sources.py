@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.blocks.ports import BlockError
 from stickslip.blocks.sources import Constant, Ramp, Step
 from stickslip.diagram import simulate, wire
 
@@ -57,8 +56,5 @@ def test_units_and_names():
         (lambda: Constant("SP", 1.0).with_params(valeu=2.0), ["no parameter 'valeu'", "did you mean 'value'"]),
     ],
 )
-def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
-    with pytest.raises(BlockError) as error:
-        make()
-    for word in words:
-        assert word in str(error.value)
+def test_misuse_is_refused_with_value_rule_and_remedy(refuses, make, words):
+    refuses(make, words)

@@ -5,7 +5,7 @@ import pytest
 from stickslip.cases import starts
 from stickslip.cases.kicks import FRESH, SEED, SIZE, Study
 from stickslip.cases.production import KICK, TWO_JUMPS, own_numbers
-from stickslip.cases.starts import Pooled, fresh, judged, plant_rows, telling
+from stickslip.cases.starts import Pooled, fresh, grouped, judged, plant_rows
 from stickslip.plant import SET_E
 from stickslip.study.subject import start_kicks
 
@@ -53,7 +53,7 @@ def test_pooled_starts_are_all_starts(made):
 
 def test_rows_that_tell_parameters_apart():
     a, b, c = ("5.4", "a"), ("5.4", "b"), ("5.4", "c")
-    assert telling([{a: True, b: False, c: True}, {a: True, b: False, c: False}]) == ({a}, {b}, {c})
+    assert grouped([{a: True, b: False, c: True}, {a: True, b: False, c: False}]) == ({a}, {b}, {c})
 
 
 def test_fresh_starts_differ():

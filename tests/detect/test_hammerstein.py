@@ -96,7 +96,7 @@ def test_without_a_span_there_is_no_percent(sticky):
 
 
 def test_signals_that_have_nothing_to_do_with_each_other(wave):
-    """PV and OP of different periods: neither model tells PV, nothing is decided."""
+    """PV and OP of different periods: neither model predicts PV, nothing is decided."""
     t = np.arange(3000.0)
     pv = wave("square", t, 50.0) + 0.1 * np.random.default_rng(0).normal(size=3000)
     op = 50 + wave("triangle", t, 71.0)

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from stickslip.detect.methods.stem_play import band, detect, stem
+from stickslip.detect.methods.stem_play import detect
 from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.stem.logged_stem import band, stem
 from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from stickslip.logs import LoopRecord, read_loop
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -19,6 +20,12 @@ def write(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return put
+
+
+@pytest.fixture
+def read(write: Callable[..., Path]) -> Callable[..., LoopRecord]:
+    """Read the loop in a file with this text or these bytes."""
+    return lambda content, **options: read_loop(write(content, "export.csv"), **options)
 
 
 @pytest.fixture(scope="session")

@@ -157,7 +157,7 @@ def test_every_column_not_used_is_named_with_its_reason(write):
 
 def test_columns_left_out_as_told_and_tags_are_named_too(write):
     notes = read_loop(write("time,SP,PV,OP\n0,5,4,50\n1,5,4,50\n"), sp="").notes
-    assert "Columns not used: 'SP' (left out as told)." in notes
+    assert "Columns not used: 'SP' (left out as asked)." in notes
     notes = read_loop(write("tag,time,value\nPV,0,1\nOP,0,50\nTI7.PV,0,3\nPV,1,1\nOP,1,50\nTI7.PV,1,3\n")).notes
     assert any("Columns not used: 'TI7.PV' (PV of TI7)" in note for note in notes)
 

@@ -150,7 +150,7 @@ def test_interval_stands_in_for_a_useless_time(write):
     text = "time,PV,OP\n" + "".join(f"2024-01-01 00:0{i // 3}:00,{i},50\n" for i in range(9))
     loop = read_loop(write(text), interval=20.0)
     assert loop.t.tolist() == [20.0 * i for i in range(9)]
-    assert any("20 s apart, as told" in note for note in loop.notes)
+    assert any("20 s apart, as stated" in note for note in loop.notes)
 
 
 def clock_rows(*stamps: str) -> str:

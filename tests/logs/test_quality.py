@@ -81,7 +81,7 @@ def test_status_of_pcs7_in_hexadecimal(write):
 def test_doubtful_codes_are_said_and_discard_nothing(write, name, codes):
     loop = read_loop(write(table(PV, OP, (name, codes))))
     assert loop.good.all()
-    assert f"The quality in {name!r} cannot be told and is not used." in loop.notes
+    assert f"The quality in {name!r} cannot be recognised and is not used." in loop.notes
 
 
 def test_a_running_pump_is_no_quality(write):

@@ -63,7 +63,7 @@ def test_quality_columns(write, marks, good):
 def test_quality_that_cannot_be_told_is_not_used(write):
     log = read_log(write("time,PV,PV_status\n0,1,0\n1,2,0\n"))
     assert log.good("PV").all()
-    assert any("'PV_status' cannot be told" in note for note in log.notes)
+    assert any("'PV_status' cannot be recognised" in note for note in log.notes)
 
 
 def test_modes_are_numbers_and_held(write):

@@ -21,16 +21,6 @@ def clock(form="%Y-%m-%d %H:%M:%S", step=10.0, start=DAY, rows=N):
     return [(start + timedelta(seconds=step * i)).strftime(form) for i in range(rows)]
 
 
-@pytest.fixture
-def read(tmp_path):
-    def reading(content, **told):
-        path = tmp_path / "export.csv"
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return read_loop(path, **told)
-
-    return reading
-
-
 def said(record, *words):
     return any(all(word in note for word in words) for note in record.notes)
 

@@ -91,16 +91,6 @@ READ = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def read(tmp_path):
-    def reading(content, **told):
-        path = tmp_path / "export.csv"
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return read_loop(path, **told)
-
-    return reading
-
-
 @pytest.mark.parametrize("name", READ)
 def test_it_is_read_and_what_was_assumed_is_said(read, name):
     content, interval, words = READ[name]

@@ -85,7 +85,7 @@ def test_what_is_not_drawn_is_not_promised(done):
     assert "Table 6.3 and figure 6.2 are of real data that were never published" in text
     root = Path(__file__).parents[2]
     for file in [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("stickslip/*.py")]:
-        if file.name != "CHANGELOG.md":
+        if file.name not in ("CHANGELOG.md", "history.md"):
             assert not re.search(r"every (table|figure|picture)[^.;]{0,30}thesis", file.read_text(), re.I), file.name
 
 

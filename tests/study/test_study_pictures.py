@@ -10,7 +10,7 @@ from stickslip.study.findings import Findings
 from stickslip.study.growth import draw_growth
 from stickslip.study.maps import draw_maps
 from stickslip.study.spread import draw_spread
-from stickslip.study.told import told
+from stickslip.study.summary import summary
 
 GAINS, FRICTIONS = (1.0, 2.0), (10.0, 20.0, 30.0)
 
@@ -67,14 +67,14 @@ def test_cells_at_rest_say_so():
 
 
 def test_sentences():
-    said = told(GROWS)
+    said = summary(GROWS)
     assert said[""] == "6 of 12 runs oscillate; the others come to rest."
     assert said["spread"] == "Most at OP, 30 % in the median, least at PV, 3 %."
     assert said["growth"] == (
         "From v.F = 20 on half of the runs or more oscillate; OP swings by 20 % at 20 and 30 % at 30."
     )
     assert said["map"] == "PV swings most, 3 %, at v.F = 30, c.gain = 2."
-    assert told(STILL)[""] == "None of the 12 runs oscillates: all come to rest."
+    assert summary(STILL)[""] == "None of the 12 runs oscillates: all come to rest."
 
 
 def test_a_study_at_rest_is_drawn():

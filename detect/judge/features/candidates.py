@@ -1,4 +1,4 @@
-"""What PV would show if the valve stuck by this much: for several sizes, the steps of the stem and what is new in PV.
+"""The PV to expect if the valve stuck: for several sizes, the steps of the stem, and the innovations of PV.
 
     x       stem for OP u, S a share of OP's travel, J = ``JUMP`` S (``stem.stick``)
     step    x_k - x_(k-1), over its root mean square

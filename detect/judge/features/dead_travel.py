@@ -1,4 +1,4 @@
-"""What the record's own likelihood says of dead travel, as features: gains in nats, sizes over OP's travel.
+"""Features from the likelihood of dead travel in a record: gains in nats, sizes over OP's travel.
 
     gain, without_best    G and G_d of the likeliest stick         at_<share>   G of that S over OP's travel
     delay_<i>             best stick less best rival at the i-th delay;   play_<i> the same without a jump

@@ -1,4 +1,4 @@
-"""What the features look at: one record in its own units of time, OP and PV.
+"""The view of a record for the features: time, OP and PV in units of their own.
 
     thinned    blocks of k samples are averaged, so that 12 to 24 are left from one turn of OP to the next
     time       counted in turns: the mean time between two turns of OP by more than 0.3 of its range

@@ -116,7 +116,7 @@ def _kinds(rows: Sequence[Sequence[str]], columns: int) -> list[str]:
 
 
 def _widths(columns: Sequence[str], rows: Sequence[Sequence[str]], badges: Mapping[int, Sequence[str]]) -> str:
-    """Widths of the columns of a grid: numbers and badges in one line, texts at least ten letters, long ones more."""
+    """Return the widths of columns: numbers and badges fit one line, texts get ten letters or more."""
     widths = []
     for k, kind in enumerate(_kinds(rows, len(columns))):
         if "long" in kind:

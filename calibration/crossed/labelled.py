@@ -42,7 +42,7 @@ def group_of(d: Drawn) -> str:
 
 
 def truth_of(one: Seen) -> Truth:
-    """What is true of a loop."""
+    """Return the true cause and sizes of a loop."""
     d, op = one.drawn, one.record.op
     group = group_of(d)
     swing = extent(op)

@@ -1,4 +1,4 @@
-"""What a study found, in sentences: how many runs oscillate, where most, from which value on."""
+"""A study in sentences: how many runs oscillate, which signal swings most, and from which value on."""
 
 import math
 
@@ -7,12 +7,12 @@ from stickslip.study.findings import Findings
 from stickslip.study.groups import Group, groups
 from stickslip.study.growth import chosen, numbers
 
-__all__ = ["told"]
+__all__ = ["summary"]
 
 HALF = 0.5  # of the runs: from there on a point is said to oscillate
 
 
-def told(result: Findings) -> dict[str, str]:
+def summary(result: Findings) -> dict[str, str]:
     """Return a sentence for the whole study ("") and for each of its pictures, by name."""
     swings = result.swings()
     ok, moving = result.counts()["ok"], int(swings.sum())
