@@ -8,7 +8,8 @@ python_of a fit -> the loop as a Python file to edit
 """
 
 from stickslip.remedy.advice import Advice, remedies
-from stickslip.remedy.changing import Change, Changes, changes, lacks
+from stickslip.remedy.change import Change, Changes
+from stickslip.remedy.changing import changes, lacks
 from stickslip.remedy.fitting import FitError, fit
 from stickslip.remedy.leaving import Cost, cost
 from stickslip.remedy.loop_fit import LoopFit

@@ -1,117 +1,39 @@
-"""What has changed between two times of one loop: its two fits beside each other.
+"""What has changed between two times of one loop: of each change, the nats of a likelihood ratio.
 
-    ln(later / earlier) of all pairs of the two populations, or of two normal values of a controller
-    changed  0 is outside its 98 % interval, widened like all intervals, and the median is beyond what counts
+    valve, process      what it gains that this part alone may differ (``together``)
+    stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
+    controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i as read, over its standard deviation
+    noise, load, level  z^2 / 2,   the same of a spread, or a difference; blocks of the record tell its deviation
+    named               from ``ENOUGH`` nats, where the ratio is beyond what counts; of valve and process the best alone
 
-Counts as a change: 15 % of a controller's value, 25 % of the process's gain, 50 % of its lags and of S, 65 % of noise,
-and a factor of three of the load, which differs from day to day.  A stick that only one of the two times has is a
-change of its own.
-Not told: the bias or drift of a sensor, which a loop takes for its load, and a change that closes within a record.
+What counts keeps out what is sure but small: no plant is the model's, so that another load makes another fit.  Noise,
+load and level are those that the likeliest loops leave, changed or not.
+Not told: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
+process at once.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.remedy.loop_fit import WIDER, LoopFit, Size, size_of
+from stickslip.remedy.change import COUNTS, Change, Changes
+from stickslip.remedy.loop_fit import LoopFit, Size
+from stickslip.remedy.process import Loop
+from stickslip.remedy.together import PARTS, Pair
 
-__all__ = ["Change", "Changes", "changes", "lacks"]
+__all__ = ["changes", "lacks"]
 
 Floats = NDArray[np.float64]
-TAIL = 1.0  # per cent on either side
-COUNTS = {
-    "controller_gain": 0.15, "controller_integral_time": 0.15, "stiction": 0.4, "process_gain": 0.25,
-    "process_time_constant": 0.4, "sensor_noise": 0.5, "disturbance": 1.1,
-}  # fmt: skip
-PLACES = {
-    "controller_gain": "controller", "controller_integral_time": "controller", "stiction": "valve",
-    "process_gain": "process", "process_time_constant": "process", "sensor_noise": "sensor", "disturbance": "load",
-}  # fmt: skip
-WORDS = {
-    "controller_gain": "The controller's gain K_p", "controller_integral_time": "The controller's T_i",
-    "stiction": "The dead travel S of the valve", "process_gain": "The gain K of the process",
-    "process_time_constant": "The lags of the process", "sensor_noise": "The noise of the sensor",
-    "disturbance": "The load",
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Change:
-    """One thing that may have changed: later over earlier with its interval, and the odds that it did."""
-
-    effect: str
-    earlier: Size
-    later: Size
-    ratio: Size
-    probability: float
-    changed: bool
-    unit: str
-
-    @property
-    def place(self) -> str:
-        """Where in the loop it is."""
-        return PLACES[self.effect]
-
-    def words(self) -> str:
-        """It in a sentence."""
-        return f"{WORDS[self.effect]} went from {self.earlier} to {self.later} {self.unit}.".replace(" .", ".")
-
-
-@dataclass(frozen=True)
-class Changes:
-    """All that was compared, what changed most surely first; ``notes`` say what cannot be told."""
-
-    compared: tuple[Change, ...]
-    notes: tuple[str, ...]
-
-    @property
-    def changed(self) -> tuple[Change, ...]:
-        """What has changed."""
-        return tuple(one for one in self.compared if one.changed)
-
-    @property
-    def gap(self) -> bool:
-        """Whether anything has."""
-        return bool(self.changed)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The answer in sentences."""
-        if not self.gap:
-            return ("Nothing has changed beyond what the two records leave unsure.",)
-        return tuple(one.words() for one in self.changed)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The form of a gap report for JSON."""
-        first = self.changed[0] if self.gap else None
-        return {
-            "gap": self.gap,
-            "where": first
-            and {
-                "place": first.place, "probability": round(first.probability, 4), "confidence_set": [first.place],
-                "shares": {},
-            },
-            "causes": [
-                {
-                    "effect": one.effect, "place": one.place, "probability": round(one.probability, 4),
-                    "ambiguous_with": [],
-                    "parameters": {
-                        "earlier": one.earlier.to_dict() | {"unit": one.unit},
-                        "later": one.later.to_dict() | {"unit": one.unit}, "ratio": one.ratio.to_dict() | {"unit": "-"},
-                    },
-                }
-                for one in self.changed
-            ],
-            "ranking": [
-                {"effect": one.effect, "place": one.place, "probability": round(one.probability, 4)}
-                for one in self.compared
-            ],
-            "shrinkage": None,
-        }  # fmt: skip
+Two = tuple[float, float]  # earlier, later
+ENOUGH = 20.0  # nats
+ALIKE = 4.0  # nats by which a part may be behind the best one, to be named beside it
+FAR = {"process_gain": 1.6, "process_time_constant": 1.6}  # logarithms of ratios beyond which nobody believes it
+BLOCKS = 12  # of the records of a time
+BEYOND = 99.0  # the logarithm of a ratio to nothing
+Z90 = 1.645
 
 
 def changes(earlier: LoopFit, later: LoopFit) -> Changes:
@@ -123,90 +45,153 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     >>> changes(day, day).gap
     False
     """
-    pv, op = later.pv_unit, later.op_unit
-    notes = ["A sensor that drifts looks like a load here, so it is not told."]
-    found = [
-        _controller("controller_gain", earlier, later, f"{op} per {pv or 'PV'}"),
-        _controller("controller_integral_time", earlier, later, "s"),
-        _stick(earlier, later),
+    pv, op, notes = later.pv_unit or "PV", later.op_unit, []
+    pair = Pair(earlier, later)
+    moved = {part: _moved(part, pair) for part in PARTS}
+    gains = {part: pair.gain(part) if abs(moved[part]) < FAR.get(part, 1e9) else 0.0 for part in PARTS}
+    sizes = {part: _two(_value(part, one) for one in pair.own[part].loops) for part in PARTS}
+    sizes["stiction"] = _two(S if pair.smallest < S else 0.0 for S in sizes["stiction"])
+    once = _stick_at_one_time(earlier, later)
+    if once > gains["stiction"]:
+        gains["stiction"], sizes["stiction"] = once, _two(fit.S.value or 0.0 for fit in (earlier, later))
+        moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
+    best = max(gains, key=lambda part: gains[part])
+    units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
+    alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
+    found: list[Change | None] = [
+        _change(part, sizes[part], moved[part], gains[part], units[part], part == best, alike) for part in PARTS
+    ]  # fmt: skip
+    found += [_controller(effect, earlier, later, unit) for effect, unit in (
+        ("controller_gain", f"{op} per {pv}"), ("controller_integral_time", "s")
+    )]  # fmt: skip
+    likeliest = pair.own[best] if gains[best] >= ENOUGH else pair.shared
+    lefts, (before, after) = pair.lefts(likeliest), (abs(one.K) + 1e-300 for one in likeliest.loops)
+    gained = math.log(after / before)
+    found += [
+        _spread("sensor_noise", [_fine(own) for own in lefts], pv),
+        _spread("disturbance", [_slow(own, pair.between) for own in lefts], pv, gained),
     ]
-    if earlier.best.integrating == later.best.integrating:
-        found.append(_process("process_gain", earlier, later, lambda one: abs(one.K), f"{pv or 'PV'} per {op}"))
-        found.append(_process("process_time_constant", earlier, later, _lags, "s"))
+    if likeliest.loops[0].integrating:
+        notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
     else:
-        notes.append("One record tells a process that integrates and the other one that does not: none is compared.")
-    for effect, spread in (("sensor_noise", _noise), ("disturbance", _load)):
-        a, b = (spread(one) for one in (earlier, later))
-        found.append(_of_pairs(effect, Size(a, None, None), Size(b, None, None), np.array([b / max(a, 1e-300)]), pv))
-    kept = [one for one in found if one is not None]
-    return Changes(tuple(sorted(kept, key=lambda one: (-one.changed, -one.probability))), tuple(notes))
+        found.append(_level(lefts, pv))
+    compared = [one for one in found if one is not None]
+    return Changes(tuple(sorted(compared, key=lambda one: (-one.changed, -one.nats))), tuple(notes))
 
 
 def lacks(found: LoopFit) -> Changes:
     """Return what a loop without stick lacks to tell this record: the stick, or nothing."""
-    none = Size(0.0, 0.0, 0.0)
+    none, ratio = Size(0.0, 0.0, 0.0), Size(None, None, None, "none before")
     probability = 1.0 / (1.0 + math.exp(-min(max(found.gain, -50.0), 50.0) + 10.0))
-    ratio = Size(None, None, None, "none before")
-    stick = Change("stiction", none, found.S, ratio, probability, found.sticks, found.op_unit)
+    stick = Change("stiction", none, found.S, ratio, max(found.gain, 0.0), probability, found.sticks, found.op_unit)
     return Changes((stick,), (f"A loop with stick tells PV better than one without by {found.gain:.0f} nats.",))
 
 
-def _lags(one: Any) -> float:
-    return float(one.theta + one.tau_2 + (0.0 if one.integrating else one.tau))
+def _change(
+    effect: str, sizes: Two, by: float, nats: float, unit: str, may: bool = True,
+    ambiguous_with: tuple[str, ...] = (),
+) -> Change:  # fmt: skip
+    """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
+    nats, counts = max(nats, 0.0), COUNTS[effect]
+    sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
+    far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
+    probability = far / (1.0 + math.exp(min(ENOUGH - nats, 50.0)))
+    ratio = Size(None, None, None, "a level has no ratio, and none has what is at one time alone")
+    if effect != "sensor_drift" and min(sizes) > 0.0:
+        low, middle, high = (math.exp(min(max(by + z * min(sd, 99.0), -99.0), 99.0)) for z in (-Z90, 0.0, Z90))
+        ratio = Size(middle, low, high)
+    changed = may and nats >= ENOUGH and abs(by) > counts
+    earlier, later = (Size(x, None, None) for x in sizes)
+    return Change(effect, earlier, later, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
 
 
-def _noise(fit: LoopFit) -> float:
-    """Spread of what differs from row to row of PV: third differences, which a slower signal does not pass."""
-    return float(np.median([np.median(np.abs(np.diff(day.pv, 3))) / 3.0 for day in fit.days]))
+def _two(values: Iterable[float]) -> Two:
+    before, after = values
+    return before, after
 
 
-def _load(fit: LoopFit) -> float:
-    """Spread of what the likeliest loop leaves of PV."""
-    return float(np.median([np.std(left) for left in fit.lefts[0]]))
+def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
+    """How surely one time has a stick that the other one has not [nats]."""
+    if earlier.sticks == later.sticks:
+        return 0.0
+    sticky, free = (earlier, later) if earlier.sticks else (later, earlier)
+    return min(sticky.gain, free.against(float(np.percentile(sticky.each("S"), 5.0))))
+
+
+def _moved(part: str, pair: Pair) -> float:
+    """ln(later / earlier) of a part; of a dead time, of all that is late beside the main lag."""
+    late = part == "dead_time"
+    before, after = (max(_value(part, one) + late * (one.tau_2 + pair.scan), 1e-300) for one in pair.own[part].loops)
+    return math.log(after / before)
+
+
+def _value(part: str, one: Loop) -> float:
+    lags = one.tau_2 + (0.0 if one.integrating else one.tau)
+    return {
+        "stiction": one.S, "process_gain": abs(one.K), "process_time_constant": lags, "dead_time": one.theta
+    }[part]  # fmt: skip
 
 
 def _controller(effect: str, earlier: LoopFit, later: LoopFit, unit: str) -> Change | None:
-    key = "K_p" if effect == "controller_gain" else "T_i"
-    sizes, logs, sd = [], [], 0.0
+    """The change of K_p or T_i; None where there is no integral."""
+    key, variance = "K_p" if effect == "controller_gain" else "T_i", 1e-6
+    sizes: list[float] = []
     for fit in (earlier, later):
-        value = float(getattr(fit.controller, key))
+        value = abs(float(getattr(fit.controller, key)))
         if not math.isfinite(value):
             return None
         low, high = fit.controller.spread(key)
-        sizes.append(Size(value, low, high))
-        logs.append(math.log(abs(value)))
-        sd = math.hypot(sd, (high - low) / 3.29 / abs(value))
-    z = np.linspace(-2.33, 2.33, 41)
-    return _of_pairs(effect, sizes[0], sizes[1], np.exp(logs[1] - logs[0] + sd * z), unit)
+        sizes.append(value)
+        variance += ((high - low) / (2.0 * Z90) / value) ** 2
+    by = math.log(sizes[1] / sizes[0])
+    return _change(effect, _two(sizes), by, 0.5 * by**2 / variance, unit)
 
 
-def _stick(earlier: LoopFit, later: LoopFit) -> Change:
-    if earlier.sticks and later.sticks:
-        return _process("stiction", earlier, later, lambda one: one.S, later.op_unit)
-    sticky = earlier if earlier.sticks else later
-    other = later if earlier.sticks else earlier
-    small = other.excluded if math.isfinite(other.excluded) else math.inf
-    shown = float(np.percentile(sticky.each("S"), TAIL)) > small
-    changed = sticky.sticks and (shown or other.gain < 0.25 * sticky.gain)
-    return Change(
-        "stiction", earlier.S, later.S, Size(None, None, None, "one of them has none"), 0.9 if changed else 0.1,
-        changed, later.op_unit,
+def _blocks(one: Floats) -> list[Floats]:
+    return [np.asarray(block) for block in np.array_split(one, BLOCKS)]
+
+
+def _fine(lefts: Sequence[Floats]) -> Floats:
+    """Squares (blocks,) of what differs from row to row: third differences, which a slower signal does not pass."""
+    return np.concatenate(
+        [[(float(np.median(np.abs(np.diff(b, 3)))) / 3.0) ** 2 for b in _blocks(one)] for one in lefts]
     )  # fmt: skip
 
 
-def _process(effect: str, earlier: LoopFit, later: LoopFit, value: Any, unit: str) -> Change:
-    a, b = (np.array([value(one) for one in fit.loops]) for fit in (earlier, later))
-    return _of_pairs(effect, size_of(a), size_of(b), (b[:, None] / np.maximum(a[None, :], 1e-300)).ravel(), unit)
+def _slow(lefts: Sequence[Floats], between: int) -> Floats:
+    """Mean squares (blocks,) of how far it goes within the time between two turns of OP, without the noise's share."""
+    noise = float(np.mean(_fine(lefts)))
+    moved = [one[between:] - one[:-between] for one in lefts]
+    return np.concatenate(
+        [[max(float(np.mean(b**2)) - 2.0 * noise, 0.1 * noise) for b in _blocks(one)] for one in moved]
+    )
 
 
-def _of_pairs(effect: str, earlier: Size, later: Size, ratios: Floats, unit: str) -> Change:
-    """The change that the ratios (n,) of both times tell."""
-    logs = np.log(np.maximum(ratios, 1e-300))
-    middle, counts = float(np.median(logs)), COUNTS[effect]
-    logs = middle + (1.0 if effect.startswith("controller") else WIDER) * (logs - middle)
-    low, high = np.percentile(logs, [TAIL, 100.0 - TAIL])
-    surely = bool(low > 0.0 or high < 0.0)
-    probability = float(np.mean(np.abs(logs) > 0.5 * counts)) if len(logs) > 1 else float(abs(middle) > counts)
-    value, least, most = (math.exp(min(x, 300.0)) for x in (middle, float(low), float(high)))
-    ratio = Size(value, least, most)
-    return Change(effect, earlier, later, ratio, probability, surely and abs(middle) > counts, unit)
+def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0.0) -> Change:
+    """The change of a spread whose squares (blocks,) are known at both times, by the mean of their logarithms.
+
+    ``beside`` [logarithm] may be the gain's: a load at the valve goes with it, one at PV does not.
+    """
+    logs = [0.5 * np.log(one + 1e-300) for one in squares]
+    variance = sum(float(np.var(one)) / len(one) for one in logs) + 1e-6
+    means = [float(one.mean()) for one in logs]
+    by = means[1] - means[0]
+    by = 0.0 if by * (by - beside) <= 0.0 else min(by, by - beside, key=abs)
+    return _change(effect, _two(math.exp(mean) for mean in means), by, 0.5 * by**2 / variance, unit)
+
+
+def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:
+    """The change of PV's level beside the flow, over what the level of the earlier time varies by.
+
+    Blocks that are alike beside each other count for fewer.  The later time's own variation would have the drift in it.
+    """
+    levels = [np.concatenate([[float(b.mean()) for b in _blocks(one)] for one in own]) for own in lefts]
+    before, after = (float(one.mean()) for one in levels)
+    v = levels[0] - before
+    alike = min(max(float(v[1:] @ v[:-1]) / (float(v @ v) + 1e-300), 0.0) + 0.2, 0.8)  # of few blocks it is too low
+    variance = 2.0 * float(v @ v) / len(v) ** 2 * (1.0 + alike) / (1.0 - alike) + 1e-300
+    spread = float(np.std(np.concatenate(list(lefts[0])))) + 1e-300
+    moved = after - before
+    return _change(
+        "sensor_drift", (before, after), moved / spread, 0.5 * moved**2 / variance, unit, True, ("disturbance",)
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Read a controller off OP, SP and PV: gain, integral and derivative time.
+"""Read a controller off OP, SP and PV: gain, integral and derivative time, filter.
 
     over m rows     OP_k - OP_(k-m) = K_p (e_k - e_(k-m)) + K_p dt/T_i sum_(k-m <= j < k) e_j
                                       - K_p T_d (D_k - D_(k-m)),   D_k = (PV_k - PV_(k-1)) / dt
@@ -7,7 +7,7 @@ That is the law whose integral takes in the error of the last scan.  One that ta
 with other numbers: K_p and T_i of that one read as K_p (1 + dt/T_i) and T_i + dt.
 A line through all rows in which OP stands at no limit; m is chosen so that K_p and K_p/T_i are known best: short
 spans suit a log of every scan, long ones a log that is rounded or coarser than the scan.  Without SP its level is one
-more unknown.  A derivative is told where it leaves a tenth less.
+more unknown.  A derivative, or a first-order filter of PV in its place, is told where it leaves a tenth less.
 Source: textbook, the velocity form (Astrom and Hagglund, Advanced PID Control, 2006, section 3.6).
 """
 
@@ -23,8 +23,10 @@ __all__ = ["Controller", "controller_of"]
 
 Floats = NDArray[np.float64]
 SPANS = (1, 4, 16, 64)  # rows
-DERIVATIVE = 0.9  # of what is left, that a derivative must get below
+LESS = 0.9  # of what is left, that a derivative or a filter must get below
+FILTERS = (0.7, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0)  # rows, that are tried
 AT_LIMIT = 8  # rows at an extreme of OP that make it a limit
+EXACT = 1.0 - 1e-9  # of the moves of OP, from which on nothing is left to tell
 LEAST = 0.5  # of the moves of OP that the law must tell
 
 
@@ -34,7 +36,7 @@ class Controller:
 
     K_p : signed, positive where OP falls with PV [unit of OP / unit of PV];  T_i, T_d, dt : [s];  T_i = inf: none
     K_p_sd, rate_sd : standard deviations of K_p and of K_p/T_i;  low, high : limits of OP [its unit]
-    told : share of OP's moves that the law tells
+    told : share of OP's moves that the law tells;  T_f : of a first-order filter of PV [s]
     """
 
     K_p: float
@@ -46,6 +48,7 @@ class Controller:
     told: float
     K_p_sd: float
     rate_sd: float
+    T_f: float = 0.0
 
     @property
     def form(self) -> str:
@@ -93,17 +96,44 @@ def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: 
     if not found:
         return Controller(math.nan, math.inf, 0.0, dt, *limits, 0.0, math.nan, math.nan)
     _, b, sd, told, m, left = min(found, key=lambda one: one[0])
+    T_d = T_f = 0.0
     more = _line(op, e, slope, free, dt, m, sp)
-    T_d = 0.0
-    if more and more[5] < DERIVATIVE * left and more[1][2] * more[1][0] < 0.0:
-        _, b, sd, told, _, _ = more
+    if more and more[5] < LESS * left and more[1][2] * more[1][0] < 0.0:
+        _, b, sd, told, _, left = more
         T_d = float(-b[2] / b[0])
+    smooth, late = _filtered(op, pv, free, dt, m, sp) if told < EXACT else (None, 0.0)
+    if smooth and smooth[5] < LESS * left:
+        _, b, sd, told, _, _ = smooth
+        T_d, T_f = 0.0, late
     K_p, rate = float(b[0]), float(b[1])
     integrates = rate * K_p > 0.0 and abs(rate) > 3.0 * sd[1]
-    return Controller(K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, told, float(sd[0]), float(sd[1]))
+    return Controller(
+        K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, told, float(sd[0]), float(sd[1]), T_f
+    )
 
 
 _Line = tuple[float, Floats, Floats, float, int, float]
+
+
+def _filtered(
+    op: Floats, pv: Floats, free: NDArray[np.bool_], dt: float, m: int, sp: Floats | None
+) -> tuple[_Line | None, float]:
+    """The law behind the filter of PV that leaves least, and the filter's time constant [s]."""
+    from scipy.optimize import minimize_scalar
+    from scipy.signal import lfilter
+
+    def law(log: float) -> _Line | None:
+        a = math.exp(-1.0 / math.exp(log))
+        y = np.asarray(lfilter([1.0 - a], [1.0, -a], pv - pv[0])) + pv[0]
+        return _line(op, -y if sp is None else sp - y, None, free, dt, m, sp)
+
+    def left(log: float) -> float:
+        found = law(log)
+        return found[5] if found else math.inf
+
+    start = math.log(min(FILTERS, key=lambda rows: left(math.log(rows))))
+    best = float(minimize_scalar(left, bounds=(start - 0.8, start + 0.8), method="bounded").x)
+    return law(best), math.exp(best) * dt
 
 
 def _line(

@@ -17,6 +17,7 @@ import numpy as np
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.prepare.prepared import prepared
+from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
@@ -87,7 +88,7 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     if law.told < 0.9:
         notes.append(f"The PI law tells {100 * law.told:.0f} % of how OP moves; settings are as unsure.")
     progress("fitting the process without stick")
-    kind = loops[0].integrating
+    kind = kind_of_tag(given[0]).integrating  # of the data, the likelihood of the whole loop says more
     without = best_without(days, kind, math.copysign(1.0, law.K_p))
     evidence = _evidence(days)
     starts, gain, sticks = without, 0.0, False
@@ -110,11 +111,10 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
         )
         for one in likely
     )
-    excluded = evidence.claim if evidence is not None else math.inf
     return LoopFit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
         given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, likely, gain, sticks,
-        excluded, lefts, tuple(notes),
+        evidence, lefts, tuple(notes),
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from stickslip.remedy.process import Day, Found, Loop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from stickslip.detect.likelihood.pooled import Evidence
 
 __all__ = ["LoopFit", "Size"]
 
@@ -73,7 +74,7 @@ class LoopFit:
     days : the records;  without, found : the likeliest loop without stick, and the one that is believed
     loops : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
     lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
-    notes : what is to be said besides
+    evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
 
     >>> from stickslip.remedy.example import sticky
     >>> from stickslip.remedy import fit
@@ -92,13 +93,23 @@ class LoopFit:
     loops: tuple[Loop, ...]
     gain: float
     sticks: bool
-    excluded: float
+    evidence: Evidence | None
     lefts: tuple[tuple[Floats, ...], ...]
     notes: tuple[str, ...]
 
     def each(self, key: str) -> Floats:
         """A value of each loop, (loops,)."""
         return np.array([float(getattr(one, key)) for one in self.loops])
+
+    def against(self, S: float) -> float:
+        """By how many nats every dead travel from S [unit of OP] on is less likely than none.
+
+        The largest that is weighed is about OP's own travel, and stands for all that are larger: such a stem rests.
+        """
+        if self.evidence is None:
+            return 0.0
+        sizes = self.evidence.sizes
+        return max(-float(self.evidence.curve[sizes >= min(S, float(sizes[-1]))].max()), 0.0)
 
     @property
     def best(self) -> Loop:
@@ -110,7 +121,7 @@ class LoopFit:
         """Dead travel: movement of OP after a turn until the stem moves [unit of OP]."""
         if self.sticks:
             return size_of(self.each("S"))
-        high = self.excluded if math.isfinite(self.excluded) else None
+        high = self.evidence.claim if self.evidence and math.isfinite(self.evidence.claim) else None
         return Size(0.0, 0.0, high, "" if high else "no stick is seen, and the record does not exclude one")
 
     @cached_property
@@ -202,6 +213,7 @@ class LoopFit:
         K_p, T_i = (Size(value, *law.spread(key)) for key, value in (("K_p", law.K_p), ("T_i", law.T_i)))
         if not math.isfinite(law.T_i):
             T_i = Size(None, None, None, "no integral action is seen")
+        T_d, T_f = (Size(value, None, None) for value in (law.T_d, law.T_f))
         return {
             "loop": self.name,
             "valve": {
@@ -209,7 +221,8 @@ class LoopFit:
                 "law": "follows" if self.best.follows else "sticks again at every scan", "unit": self.op_unit,
             },
             "controller": {
-                "form": law.form, "K_p": K_p.to_dict(), "T_i": T_i.to_dict(), "T_d": {"value": law.T_d},
+                "form": law.form, "K_p": K_p.to_dict(), "T_i": T_i.to_dict(), "T_d": T_d.to_dict(),
+                "T_f": T_f.to_dict(),
                 "scan": law.dt, "low": _finite(law.low), "high": _finite(law.high), "told": law.told,
             },
             "process": {
@@ -232,6 +245,7 @@ class LoopFit:
             ["controller K_p", str(Size(law.K_p, *law.spread("K_p"))), f"{op} per {pv}"],
             ["controller T_i", str(T_i), "s"],
             *([["controller T_d", f"{law.T_d:.3g}", "s"]] if law.T_d else []),
+            *([["filter of PV", f"{law.T_f:.3g}", "s"]] if law.T_f else []),
             *valve, ["process gain K", str(self.K), f"{pv}{per} per {op}"], ["slip at PV, K J", str(self.KJ), pv + per],
             *lag, ["second time constant", str(self.tau_2), "s"], ["dead time", str(self.theta), "s"],
             ["load at PV", str(self.load_sd), pv], ["noise at PV", str(self.noise_sd), pv],

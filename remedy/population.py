@@ -33,8 +33,8 @@ LITTLE = (0.05, 0.1, 0.1, 0.02, 0.03, 0.1)  # of each value
 def population_of(days: Sequence[Day], starts: Sequence[Found], seed: int = 0) -> tuple[Found, tuple[Loop, ...]]:
     """The loop in the middle of a population that begins at ``starts``, and ``KEPT`` of its loops, that one first."""
     rng, time, dt = np.random.default_rng(seed), half_wave(days), days[0].dt
+    starts, luck = _of_a_kind(days, starts)
     walkers = [starts[i % len(starts)] for i in range(WALKERS)]
-    luck = [profiled(days, starts[0].loop, starts[0].noises, draw).nll for draw in range(1, 7)]
     temper = max(TEMPER, float(np.std(luck)))
     kept: list[Found] = []
     for turn in range(TURNS):
@@ -58,13 +58,26 @@ def population_of(days: Sequence[Day], starts: Sequence[Found], seed: int = 0) -
     return _middle(kept, time)
 
 
+def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found], list[float]]:
+    """The starts of the likelier kind of process, by the best of each kind, and its nll (draws,) by other draws.
+
+    A process that settles has one value more than one that integrates, and pays ln(rows)/2 for it, as tempered nats.
+    """
+    pays = 0.5 * TEMPER * math.log(sum(len(day.rows) for day in days))
+    luck: dict[bool, list[float]] = {}
+    for one in starts:
+        if one.loop.integrating not in luck:
+            luck[one.loop.integrating] = [profiled(days, one.loop, one.noises, draw).nll for draw in range(1, 7)]
+    kind = min(luck, key=lambda each: float(np.mean(luck[each])) + (0.0 if each else pays))
+    return [one for one in starts if one.loop.integrating == kind], luck[kind]
+
+
 def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Floats:
-    """Where a walker looks next: on by the difference of two others of one kind."""
+    """Where a walker looks next: on by the difference of two others."""
     at = coordinates(now.loop, time)
     ahead = at + np.array(LITTLE[: len(at)]) * rng.normal(size=len(at)) * (1.0 if turn < 3 else 0.3)
-    if b.loop.integrating == c.loop.integrating:
-        step = 2.38 / math.sqrt(2.0 * len(at)) if turn % 5 else 1.0
-        ahead += step * (coordinates(b.loop, time) - coordinates(c.loop, time))
+    step = 2.38 / math.sqrt(2.0 * len(at)) if turn % 5 else 1.0
+    ahead += step * (coordinates(b.loop, time) - coordinates(c.loop, time))
     ahead[1:3] = np.abs(ahead[1:3])
     if len(at) > 3:
         ahead[4] = 1.0 - abs(1.0 - abs(ahead[4]))  # J/S stays between 0 and 1
@@ -72,9 +85,7 @@ def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, 
 
 
 def _middle(kept: Sequence[Found], time: float) -> tuple[Found, tuple[Loop, ...]]:
-    """Of the commoner kind of process, the loop next to all medians, and loops from the whole walk."""
-    usual = sum(one.loop.integrating for one in kept) > 0.5 * len(kept)
-    kept = [one for one in kept if one.loop.integrating == usual]
+    """The loop next to all medians, and loops from the whole walk."""
     at = np.array([[*coordinates(one.loop, time), math.log(abs(one.loop.K) + 1e-300)] for one in kept])
     middle = np.median(at, axis=0)
     spread = np.median(np.abs(at - middle), axis=0) + 1e-9

@@ -14,17 +14,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
+from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
 
-__all__ = ["Day", "Found", "Left", "Loop", "Told", "day_of", "profiled", "settled", "start_noise", "told"]
+__all__ = ["Day", "Found", "Loop", "Told", "day_of", "profiled", "settled", "start_noise", "told"]
 
 Floats = NDArray[np.float64]
-ORDER = 8  # of the autoregression of what is left
 MOST = 2_400  # rows that a likelihood looks at
+SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 QUIET = 0.002  # of PV's spread: noise below it is taken for none
 
 
@@ -50,16 +51,6 @@ class Loop:
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
-    """What is left of a day: v = a v_before + e, spread s of e; c and d, its level and slope by rows."""
-
-    a: Floats
-    s: float
-    c: float
-    d: float
-
-
-@dataclass(frozen=True, eq=False)
 class Day:
     """One record on an even grid: t, op, pv (n,), SP or None; ``q`` samples make a row; ``between`` turns [samples]."""
 
@@ -71,11 +62,21 @@ class Day:
     q: int
     between: float
 
-    @property
+    @cached_property
     def rows(self) -> Floats:
         """PV as rows, (rows,)."""
         n = len(self.pv) // self.q
         return np.asarray(self.pv[: n * self.q].reshape(n, self.q).mean(axis=1))
+
+    @cached_property
+    def free(self) -> tuple[Floats, tuple[float, float]]:
+        """The rows of PV without their line, and that line."""
+        return free_of_line(self.rows)
+
+    @cached_property
+    def memories(self) -> tuple[Floats, Floats]:
+        """The autoregression of PV as if it wandered: for a process that settles, and for one that integrates."""
+        return wandering(self.rows, 1), wandering(self.rows, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ def told(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) 
     for day, noise in zip(days, noises, strict=True):
         y = day.rows
         own = np.zeros((2, len(y) * day.q))
-        found, _ = passed(
+        found = passed(
             day.op - day.op[0], y, day.q, day.dt, float(one.follows), one.S, one.J, one.r, one.integrating, one.tau,
             one.tau_2, one.theta, one.K, noise.a, noise.c, noise.d, noise.s,
             _random(len(own[0]), STEMS if one.S > 0.0 else 1)[:, draw : draw + len(own[0])], own,
@@ -143,27 +144,25 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int
 
     K keeps its sign: an answer the wrong way round is the controller's, not the process's.
     """
-    xs = [own[1].reshape(-1, day.q).mean(axis=1) for own, day in zip(shown, days, strict=True)]
-    ys = [day.rows for day in days]
-    pasts = [_wandering(y) for y in ys]
+    answers = [free_of_line(own[1].reshape(-1, day.q).mean(axis=1)) for own, day in zip(shown, days, strict=True)]
+    pasts = [day.memories[one.integrating] for day in days]
     way, K, K_sd = math.copysign(1.0, one.K), one.K, math.inf
     noises: list[Left] = []
     for _ in range(rounds):
         top, bottom = 0.0, 1e-300
-        for x, y, a in zip(xs, ys, pasts, strict=True):
+        for (x, _), day, a in zip(answers, days, pasts, strict=True):
             if np.ptp(x) <= 1e-9:  # a stem that never moves tells no gain
                 continue
-            xw, yw = _whitened(_free(x)[0], a), _whitened(_free(y)[0], a)
-            weight = 1.0 / (_size(yw - K * xw) + 1e-300)
+            xw, yw = whitened(x, a), whitened(day.free[0], a)
+            weight = 1.0 / (size(yw - K * xw) + 1e-300)
             top += weight * float(xw @ yw)
             bottom += weight * float(xw @ xw)
         K, K_sd = way * max(way * top / bottom, 0.0), 1.0 / math.sqrt(bottom)
-        lefts = [_free(y - K * x) for x, y in zip(xs, ys, strict=True)]
-        pasts = [_past(v, ORDER) for v, _ in lefts]
-        noises = [
-            Left(a, math.sqrt(0.6 * _size(_whitened(v, a)) + 1e-300), *line)
-            for (v, line), a in zip(lefts, pasts, strict=True)
-        ]  # fmt: skip
+        noises = []
+        for (x, (c, d)), day in zip(answers, days, strict=True):
+            v, line = day.free[0] - K * x, (day.free[1][0] - K * c, day.free[1][1] - K * d)
+            noises.append(left_of(v, line, past(v), SHARE))
+        pasts = [noise.a for noise in noises]
     return replace(one, K=K), noises, K_sd
 
 
@@ -173,51 +172,6 @@ def profiled(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int =
     return Found(found, tuple(after), told(days, found, after, draw).nll)
 
 
-def start_noise(days: Sequence[Day]) -> list[Left]:
+def start_noise(days: Sequence[Day], integrating: bool = False) -> list[Left]:
     """The noise of each day as if all of PV were noise."""
-    found = []
-    for day in days:
-        v, line = _free(day.rows)
-        a = _wandering(v)
-        found.append(Left(a, math.sqrt(_size(_whitened(v, a)) + 1e-300), *line))
-    return found
-
-
-def _free(v: Floats) -> tuple[Floats, tuple[float, float]]:
-    """v (rows,) without its line, and the line's level and slope."""
-    time = np.arange(len(v)) - 0.5 * (len(v) - 1)
-    slope = float(v @ time / (time @ time))
-    level = float(v.mean())
-    return v - level - slope * time, (level - slope * 0.5 * (len(v) - 1), slope)
-
-
-def _past(v: Floats, order: int) -> Floats:
-    """The autoregression of v (rows,), (order,), by least squares."""
-    X = np.lib.stride_tricks.sliding_window_view(v[:-1], order)[:, ::-1]
-    gram = X.T @ X
-    gram[range(order), range(order)] += 1e-9 * np.trace(gram) / order + 1e-300
-    return np.asarray(np.linalg.solve(gram, X.T @ v[order:]))
-
-
-def _wandering(v: Floats) -> Floats:
-    """An autoregression of v that wanders: of its differences, with a root at 1.
-
-    PV is held by the controller, what the load leaves without it is not: the memory of PV would be too short for it,
-    and a process that integrates would have no gain at all.
-    """
-    a = _past(np.diff(v), ORDER - 1)
-    return np.asarray(np.append(a, 0.0) + np.append(1.0, -a))
-
-
-def _whitened(v: Floats, a: Floats) -> Floats:
-    """One-step errors of v (rows,), without its first rows."""
-    found = v[len(a) :].copy()
-    for k, share in enumerate(a, 1):
-        found -= share * v[len(a) - k : len(v) - k]
-    return found
-
-
-def _size(e: Floats) -> float:
-    """Variance of errors of which the largest do not count in full."""
-    size = np.abs(e)
-    return float(np.mean(np.minimum(size, 4.0 * np.median(size) + 1e-300) ** 2))
+    return [left_of(*day.free, day.memories[integrating]) for day in days]

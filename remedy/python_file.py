@@ -42,7 +42,7 @@ if __name__ == "__main__":
 
 
 def python_of(fit: LoopFit) -> str:
-    """Return the file as text; a derivative is left out of it and said so by the table."""
+    """Return the file as text; a derivative or a filter is left out of it, and the table says so."""
     law, one, day = fit.controller, fit.best, fit.days[0]
     K_p, T_i, _ = series(fit.controller)
     op0 = float(np.mean(day.op))

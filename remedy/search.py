@@ -13,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.remedy.process import Day, Found, Left, Loop, profiled, settled, start_noise, told
+from stickslip.remedy.left import Left
+from stickslip.remedy.process import Day, Found, Loop, profiled, settled, start_noise, told
 
 __all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "half_wave"]
 
@@ -52,9 +53,9 @@ def _late(days: Sequence[Day]) -> float:
 
 def best_without(days: Sequence[Day], integrating: bool | None, way: float) -> list[Found]:
     """The likeliest loop without stick of each kind of process that may be, the likeliest first; ``way``: sign of K."""
-    time, noises = half_wave(days), start_noise(days)
-    found = []
+    time, found = half_wave(days), []
     for kind in (False, True) if integrating is None else (integrating,):
+        noises = start_noise(days, kind)
         tried = [
             _weighed(days, Loop(False, 0.0, 0.0, kind, way, lag * time, 0.0, late * _late(days)), noises, 1)
             for lag in (LAGS if not kind else LAGS[:1])
@@ -70,7 +71,7 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
     starts : the best without stick of each kind of process;  S : as expected [unit of OP]
     """
     rng, late = np.random.default_rng(seed), _late(days)
-    time, noises = half_wave(days), start_noise(days)
+    time, noises = half_wave(days), [start_noise(days, kind) for kind in (False, True)]
     spread = max(float(np.std(day.pv)) for day in days)
     moved = 0.5 * max(S, *(float(np.std(day.op)) for day in days))
     tried = []
@@ -84,7 +85,8 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
             0.05 * 4.0 ** rng.random(),
         )  # fmt: skip
         size = spread / (moved * (0.5 * time if one.integrating else 1.0)) * 3.0 ** rng.uniform(-0.5, 1.0)
-        tried.append(_weighed(days, replace(one, K=math.copysign(size, start.K)), noises, 2))
+        one = replace(one, K=math.copysign(size, start.K))
+        tried.append(_weighed(days, one, noises[one.integrating], 2))
     for kept, evaluations in STAGES:
         tried = _apart(tried)
         tried = [*(_better(days, one, evaluations) for one in tried[:kept]), *tried[kept:RIVALS]]

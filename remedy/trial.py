@@ -67,11 +67,13 @@ def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
     dt = law.dt
     K_p, T_i, T_d = series(fit.controller)
     lead: list[Block] = []
-    if T_d > 0.0:
-        lead = [Biquad("PV_d", "PV", b=[1.0 + T_d / dt, -T_d / dt, 0.0], a=[0.0, 0.0], dt=dt, name="derivative")]
+    if T_d > 0.0 or law.T_f > 0.0:
+        a = math.exp(-dt / law.T_f) if law.T_f > 0.0 else 0.0
+        b = [(1.0 - a) * (1.0 + T_d / dt), -(1.0 - a) * T_d / dt, 0.0]
+        lead = [Biquad("PV_f", "PV", b=b, a=[-a, 0.0], dt=dt, name="filter")]
     controller = GapPI(
         K_p, T_i, dt=dt, **WIDE, action="reverse" if law.K_p > 0.0 else "direct", name="controller",
-        inputs={"SP": "SP", "PV": "PV_d" if lead else "PV"}, outputs={"OP": "OP_c"},
+        inputs={"SP": "SP", "PV": "PV_f" if lead else "PV"}, outputs={"OP": "OP_c"},
     )  # fmt: skip
     between = [
         Knocker(0.0, 5.0 * dt, 2.0 * dt, dt, inputs="OP_c", outputs="OP_k"),

@@ -16,7 +16,6 @@ harm             recommended, and swings more than none on the hidden plant
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from collections.abc import Sequence
@@ -28,7 +27,8 @@ from stickslip.remedy import Advice, FitError, fit, remedies
 from stickslip.remedy.advice import TRAVEL
 from stickslip.remedy.loop_fit import LoopFit, size_of, widened
 
-from benchmarks.remedy.plants import Plant
+from benchmarks.remedy.plants import LAWS, Plant
+from benchmarks.remedy.rows import appended, kept
 
 KEYS = ("S", "J", "K", "KJ", "lags")
 
@@ -125,20 +125,37 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
     return lines
 
 
+def by_kind(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """A line for each law of friction and kind of process."""
+    lines = []
+    for law in LAWS:
+        for integrating in (False, True):
+            own = [r for r in rows if (r["law"], r["integrating"]) == (law, integrating) and "refused" not in r]
+            judged = [r for r in own if "picked" in r]
+            S = [abs(r["S"][0] / r["S"][3] - 1.0) for r in judged if "S" in r]
+            lines.append(
+                f"{law:18} {'integrating' if integrating else 'self-regulating':15} {len(own):3} loops, sticky "
+                f"{sum(r['sticks'] for r in own)}, kind right {sum(r['kind'] == r['integrating'] for r in judged)} of "
+                f"{len(judged)}, S off by {100 * np.median(S) if S else math.nan:.0f} %, best remedy "
+                f"{sum(r['picked'] for r in judged)}, harm {sum(r['harm'] for r in judged)}"
+            )
+    return lines
+
+
 def main() -> None:
-    """Run the loops and print the table."""
+    """Run the loops that the file does not have yet, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--loops", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--quick", action="store_true", help="five loops")
-    parser.add_argument("--json", type=Path, help="write the rows here")
+    parser.add_argument("--json", type=Path, help="append each row to this file; what it has is not run again")
     given = parser.parse_args()
-    rows = []
+    rows = kept(given.json)
+    done = {r["seed"] for r in rows}
     for seed in range(given.first, given.first + (5 if given.quick else given.loops)):
-        rows.append(row(seed))
-        if given.json:
-            given.json.write_text(json.dumps(rows))
-    print("\n".join(summary(rows)))
+        if seed not in done:
+            rows += appended(given.json, [row(seed)])
+    print("\n".join([*summary(rows), *by_kind(rows)]))
 
 
 if __name__ == "__main__":

@@ -1,49 +1,87 @@
-"""Two times of hidden loops: is what changed named?  ``python -m benchmarks.remedy.changed [--pairs N] [--first N]``.
+"""Two times of hidden loops, is what changed named?  ``python -m benchmarks.remedy.changed [--plants N] [--json F]``.
 
-Pair i is of the plant of seed i that sticks; one thing changes, in turn nothing, the stick, the gain of the process, or
-a value of the controller.  Right is the change that is named first, and no name where nothing changed.
+Each plant is logged four times: at first, later, and later with one thing changed or another (``Plant.later``).  Load
+and noise of each time are drawn anew.  Three pairs follow: the first time with each of the later ones.
+
+right   the change is named first          beside  something else is named with it, and is wrong
+none    nothing is named                   wrong   something else is named first
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from stickslip.remedy import FitError, changes, fit
+from stickslip.remedy.loop_fit import LoopFit
 
 from benchmarks.remedy.plants import LAWS, Plant
+from benchmarks.remedy.rows import appended, kept
 
-TURN = ("nothing", "stiction", "process_gain", "controller_gain", "nothing", "controller_integral_time")
+CHANGES = (
+    "stiction", "process_gain", "controller_gain", "stiction_gone", "sensor_drift", "dead_time",
+    "controller_integral_time", "disturbance", "sensor_noise",
+)  # fmt: skip
+
+
+def pairs(seed: int, asked: Sequence[str]) -> list[dict[str, Any]]:
+    """What is named without a change and with each of those ``asked``."""
+    plant, found, first = Plant.drawn(seed), [], None
+    for change in ("nothing", *asked):
+        row: dict[str, Any] = {"seed": seed, "law": plant.law, "integrating": plant.integrating, "change": change}
+        try:
+            first = first or fit(plant.record())
+            found.append(row | _named(first, plant.later(change)))
+        except FitError as fault:
+            found.append(row | {"named": [], "refused": str(fault)})
+    return found
+
+
+def _named(first: LoopFit, later: Plant) -> dict[str, Any]:
+    answer = changes(first, fit(later.record()))
+    return {
+        "named": [one.effect for one in answer.changed],
+        "all": {one.effect: [one.nats, one.earlier.value, one.later.value] for one in answer.compared},
+    }
+
+
+def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """A line for each change, and for none."""
+    lines, right = [], 0
+    moved = [row for row in rows if row["change"] != "nothing"]
+    for change in CHANGES:
+        own = [row["named"] for row in moved if row["change"] == change]
+        effect = change.replace("_gone", "")
+        hit = [named for named in own if named[:1] == [effect]]
+        right += len(hit)
+        lines.append(
+            f"{change:26} {len(own):3} pairs: right {len(hit)}, of these beside a wrong one "
+            f"{sum(len(named) > 1 for named in hit)}, none {sum(not named for named in own)}, wrong "
+            f"{sum(bool(named) and named[0] != effect for named in own)}"
+        )
+    still = [row["named"] for row in rows if row["change"] == "nothing"]
+    lines.append(f"all changes                {len(moved):3} pairs: right {right}")
+    lines.append(f"nothing                    {len(still):3} pairs: none named {sum(not named for named in still)}")
+    return lines
 
 
 def main() -> None:
-    """Fit the pairs and print how often the change is named right."""
+    """Fit the pairs that the file does not have yet and print how often the change is named."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=30)
+    parser.add_argument("--plants", type=int, default=45)
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--json", type=Path, help="write the rows here")
+    parser.add_argument("--json", type=Path, help="append each pair to this file; what it has is not run again")
     given = parser.parse_args()
-    rows = []
-    for i in range(given.pairs):
+    rows = kept(given.json)
+    done = {row["seed"] for row in rows}
+    for i in range(given.plants):
         seed = given.first + i + i // (len(LAWS) - 1)  # every last law is sound
-        plant, change = Plant.drawn(seed), TURN[i % len(TURN)]
-        try:
-            found = changes(fit(plant.record()), fit(plant.later(change).record()))
-            named = [one.effect for one in found.changed]
-        except FitError:
-            named = ["refused"]
-        rows.append({"seed": seed, "law": plant.law, "change": change, "named": named})
-        if given.json:
-            given.json.write_text(json.dumps(rows))
-    moved = [row for row in rows if row["change"] != "nothing"]
-    still = [row for row in rows if row["change"] == "nothing"]
-    right = sum(row["named"][:1] == [row["change"]] for row in moved)
-    print(
-        f"change named first: {right} of {len(moved)}; among what is named: "
-        f"{sum(row['change'] in row['named'] for row in moved)}"
-    )
-    print(f"nothing changed and nothing named: {sum(not row['named'] for row in still)} of {len(still)}")
+        if seed not in done:
+            asked = [CHANGES[(2 * i + k) % len(CHANGES)] for k in (0, 1)]
+            rows += appended(given.json, pairs(seed, asked))
+    print("\n".join(summary(rows)))
 
 
 if __name__ == "__main__":

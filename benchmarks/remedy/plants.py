@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,25 @@ LAWS = ("karnopp", "stribeck", "lugre", "kano", "backlash_and_stick", "sound")
 LOADS = ("wander", "steps", "both")
 
 
+class Loads(NamedTuple):
+    """How the load goes [% of OP]: a wander of a spread and a memory [samples], and steps at so many of the samples."""
+
+    size: float
+    wander: float
+    memory: float
+    rate: float
+    jump: float
+
+    def drawn(self, r: Any) -> Floats:
+        """A load, (samples,)."""
+        load = self.wander * _wander(r, self.memory)
+        at = np.flatnonzero(r.random(SAMPLES) < self.rate)
+        for one, jump in zip(at, self.jump * r.normal(size=len(at)), strict=True):
+            load[one:] += jump - 0.3 * load[one]  # it stays in bounds
+        load[:40] += 0.4 * self.size * (1.0 - np.arange(40) / 40.0)  # a push, so that what can cycle does
+        return load
+
+
 @dataclass(frozen=True)
 class Plant:
     """A hidden loop; OP and stem in % of span."""
@@ -34,6 +53,8 @@ class Plant:
     law: str
     numbers: Numbers
     settings: Settings
+    loads: Loads
+    noise_sd: float  # [unit of PV]
     sp: Floats = field(repr=False)
     load: Floats = field(repr=False)
     noise: Floats = field(repr=False)
@@ -66,41 +87,59 @@ class Plant:
             T_2, T_3, theta, bool(r.random() < 0.5),
         )  # fmt: skip
         size, kind = max(S, 2.0), LOADS[int(r.integers(len(LOADS)))]
-        load = np.zeros(SAMPLES)
-        if kind != "steps":
-            load += size * float(r.uniform(0.1, 0.5)) * _wander(r, tau * float(r.uniform(5.0, 40.0)) / dt)
-        if kind != "wander":
-            at = np.flatnonzero(r.random(SAMPLES) < dt / (tau * float(r.uniform(30.0, 120.0))))
-            jumps = size * float(r.uniform(0.2, 0.6)) * r.normal(size=len(at))
-            for one, jump in zip(at, jumps, strict=True):
-                load[one:] += jump - 0.3 * load[one]  # it stays in bounds
-        load[0:40] += 0.4 * size * (1.0 - np.arange(40) / 40.0)  # a push, so that what can cycle does
+        loads = Loads(
+            size, size * float(r.uniform(0.1, 0.5)) * (kind != "steps"), tau * float(r.uniform(5.0, 40.0)) / dt,
+            dt / (tau * float(r.uniform(30.0, 120.0))) * (kind != "wander"), size * float(r.uniform(0.2, 0.6)),
+        )  # fmt: skip
         sp = np.zeros(SAMPLES)
         if r.random() < 0.3:
             for at in np.sort(r.integers(200, SAMPLES, size=3)):
                 sp[at:] = gain * S * float(r.uniform(-0.6, 0.6))
-        noise = gain * size * float(np.exp(r.uniform(math.log(0.005), math.log(0.08)))) * r.normal(size=SAMPLES)
-        noise *= min(1.0, 0.15 * S / (K_p * float(np.std(noise)))) if sticks else 1.0
-        return cls(seed, law, numbers, Settings(K_p, T_i), sp, load, noise)
+        noise = gain * size * float(np.exp(r.uniform(math.log(0.005), math.log(0.08))))
+        noise = min(noise, 0.15 * S / K_p) if sticks else noise
+        return cls(
+            seed, law, numbers, Settings(K_p, T_i), loads, noise, sp, loads.drawn(r), noise * r.normal(size=SAMPLES)
+        )
 
     def later(self, change: str) -> Plant:
         """The same loop at another time: another load and noise of the same kind, and one thing changed.
 
-        A stick two and a half times as large, 0.55 of the process's gain, half the gain or 1.8 times the integral time
-        of the controller, or "nothing".
+        The stick two and a half times as large, or gone; 0.55 of the process's gain; dead time longer by all that is
+        late; half the gain or 1.8 times the integral time of the controller; three times the load or the noise; a
+        sensor that is off by 1.5 times the load's size, at once or little by little; or "nothing".
         """
-        n, c = self.numbers, self.settings
+        n, c, loads, noise = self.numbers, self.settings, self.loads, self.noise_sd
+        r = np.random.default_rng([self.seed, 2027])
+        off = np.zeros(len(self.sp))
         if change == "stiction":
             n = n._replace(S=2.5 * n.S, J=2.5 * n.J)
+        elif change == "stiction_gone":
+            n = n._replace(law=ALL.index("backlash"), S=0.0, J=0.0)
         elif change == "process_gain":
             n = n._replace(K=0.55 * n.K)
+        elif change == "dead_time":
+            n = n._replace(theta=2.0 * n.theta + 0.5 * (n.T_2 + n.T_3) + n.air + 0.5 * self.dt)
         elif change == "controller_gain":
             c = c._replace(K_p=0.5 * c.K_p)
         elif change == "controller_integral_time":
             c = c._replace(T_i=1.8 * c.T_i)
-        r = np.random.default_rng([self.seed, 2027])
-        turned = np.concatenate([self.load[:40], self.load[:39:-1]]) * (1.0 if r.random() < 0.5 else -1.0)
-        return replace(self, numbers=n, settings=c, load=turned, noise=r.permutation(self.noise))
+        elif change == "disturbance":
+            loads = loads._replace(wander=3.0 * loads.wander, jump=3.0 * loads.jump)
+        elif change == "sensor_noise":
+            noise = 3.0 * noise
+        elif change == "sensor_drift":
+            far = 1.5 * loads.size * n.K * (1.0 if n.T_1 > 0.0 else n.T_2 + n.theta)
+            off += far * (np.minimum(np.arange(len(off)) / len(off) * 2.0, 1.0) if r.random() < 0.5 else 1.0)
+        load = loads.drawn(r)[: len(off)]
+        return replace(
+            self,
+            numbers=n,
+            settings=c,
+            loads=loads,
+            noise_sd=noise,
+            load=load,
+            noise=noise * r.normal(size=len(off)) + off,
+        )
 
     @property
     def dt(self) -> float:

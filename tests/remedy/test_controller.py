@@ -59,6 +59,21 @@ def test_a_derivative_is_seen():
     assert found[0].T_d > 1.0 and found[1].T_d == 0.0
 
 
+@pytest.mark.parametrize("digits", [2, 9])
+def test_a_filter_of_pv_is_seen(digits):
+    rng, n, a = np.random.default_rng(7), 1500, math.exp(-1.0 / 6.0)
+    pv = 0.1 * rng.normal(size=n).cumsum() + 0.2 * rng.normal(size=n)
+    smooth = pv.copy()
+    for k in range(1, n):
+        smooth[k] = a * smooth[k - 1] + (1.0 - a) * pv[k]
+    op = drive(SampledPI(0.7, 12.0, dt=1.0, low=-1e9, high=1e9), n - 1.0, every=1.0, SP=0.0, PV=(np.arange(n), smooth))
+    found = controller_of(np.round(op.log["OP"], digits), pv, np.zeros(n), 1.0, FREE)
+    assert (found.K_p, found.T_i) == (pytest.approx(0.7, rel=0.03), pytest.approx(12.0, rel=0.03))
+    assert found.T_f == pytest.approx(6.0, rel=0.05) and found.told > 0.99
+    plain = controller_of(np.round(op.log["OP"], digits), smooth, np.zeros(n), 1.0, FREE)
+    assert plain.T_f == 0.0
+
+
 def test_rows_at_a_limit_say_nothing():
     op = np.concatenate([np.linspace(0.0, 9.0, 50), np.full(20, 10.0), np.linspace(9.0, 2.0, 50)])
     assert limits_of(op, (0.0, 100.0)) == (0.0, 10.0)

@@ -157,7 +157,7 @@ def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
     result = call("gap", file("later.csv", 0.5), "--fit", file("earlier.csv", 1.0), "--json", "-")
     assert result.exit_code == 1, result.output
     found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
-    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "shrinkage"}
+    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "hints", "shrinkage"}
     gain = next(one for one in found["causes"] if one["effect"] == "controller_gain")
     assert gain["parameters"]["ratio"]["value"] == pytest.approx(0.5, rel=0.02)
 

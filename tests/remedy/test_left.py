@@ -1,0 +1,40 @@
+"""What is left of PV: its line, its memory and its spread, against closed forms."""
+
+import numpy as np
+import pytest
+from stickslip.remedy.left import free_of_line, past, size, wandering, whitened
+
+
+def wander(n=20_000, a=0.8):
+    e = np.random.default_rng(1).normal(size=n)
+    v = np.zeros(n)
+    for k in range(1, n):
+        v[k] = a * v[k - 1] + e[k]
+    return v, e
+
+
+def test_a_memory_is_that_of_least_squares():
+    v, _ = wander(500)
+    X = np.column_stack([v[8 - k : len(v) - k] for k in range(1, 9)])
+    np.testing.assert_allclose(past(v), np.linalg.lstsq(X, v[8:], rcond=None)[0], atol=1e-6)
+
+
+def test_whitened_it_is_what_made_it():
+    v, e = wander(500)
+    np.testing.assert_allclose(whitened(v, np.array([0.8])), e[1:], atol=1e-12)  # analytic
+    assert past(wander()[0])[0] == pytest.approx(0.8, abs=0.03)
+
+
+@pytest.mark.parametrize("roots", [1, 2])
+def test_what_wanders_has_its_roots_at_1(roots):
+    a = wandering(wander()[0].cumsum(), roots)
+    # analytic: 1 - sum a_k z^-k is 0 at z = 1, and so is its slope where the root is double
+    assert np.sum(a) == pytest.approx(1.0)
+    assert (float(np.arange(1, len(a) + 1) @ a) == pytest.approx(0.0, abs=1e-6)) == (roots == 2)
+
+
+def test_a_line_goes_and_outliers_count_less():
+    v, (level, slope) = free_of_line(3.0 + 0.5 * np.arange(100.0))
+    np.testing.assert_allclose([level, slope, np.abs(v).max()], [3.0, 0.5, 0.0], atol=1e-12)
+    e = np.random.default_rng(2).normal(size=1000)
+    assert size(np.append(e, 1e6)) < 1.2 * size(e)
