@@ -76,7 +76,7 @@ def plainness(page: str) -> Plainness:
 
 
 def pages(revision: str = "") -> dict[str, str]:
-    """Return the text of each page but the changelog, by its path, now or as it was at a revision of the repository.
+    """Return the text of each page, by its path, now or at a revision; the changelog and its history are left out.
 
     Raises CalledProcessError for a revision that there is not.
     """
@@ -105,7 +105,8 @@ def comments(script: str) -> str:
 def _is_page(name: str) -> bool:
     if name.startswith(("docs/tutorials/", "docs/gallery/")):
         return name.endswith(".py")
-    return name.endswith(".md") and name != "CHANGELOG.md" and (name.startswith("docs/") or "/" not in name)
+    diaries = ("CHANGELOG.md", "docs/evidence/history.md")
+    return name.endswith(".md") and name not in diaries and (name.startswith("docs/") or "/" not in name)
 
 
 def _is_evidence(name: str) -> bool:

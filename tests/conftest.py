@@ -32,6 +32,16 @@ def pytest_collection_finish(session):
     ]
 
 
+@pytest.fixture(autouse=True, scope="session")
+def shared_cache(tmp_path_factory):
+    """Keep noise floors in one folder of this run for all workers: what one test has measured serves the others."""
+    base = tmp_path_factory.getbasetemp()
+    patch = pytest.MonkeyPatch()
+    patch.setenv("STICKSLIP_CACHE", str((base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "floors"))
+    yield
+    patch.undo()
+
+
 @pytest.fixture(scope="module")
 def cluster():
     """A Dask cluster of two workers on this machine, anew for every file, because tests kill workers."""

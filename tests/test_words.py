@@ -17,7 +17,7 @@ PLAIN = (  # a page that is rewritten is added here, and stays so
     "docs/linearise.md", "docs/machines.md", "docs/methods.md", "docs/own.md", "docs/python_control.md",
     "docs/reading.md", "docs/releases/0.2.0.md", "docs/remedy.md", "docs/replay.md", "docs/scan.md",
     "docs/schemas.md", "docs/start.md", "docs/stiction.md", "docs/study.md", "docs/topologies.md", "docs/valve.md",
-    "docs/verdict.md",
+    "docs/verdict.md", "docs/vocabulary.md",
     *(str(script.relative_to(ROOT)) for script in sorted((ROOT / "docs").glob("*/*.py"))),
 )  # fmt: skip
 

@@ -42,9 +42,7 @@ from stickslip.engine.status import Status
 from stickslip.engine.table import Component
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
-
-LAYOUTS = 8  # kept of a diagram, for its next ensembles
-GLANCE = 0.1  # how often the progress is reported [s]
+LAYOUTS, GLANCE_S = 8, 0.1  # layouts of a diagram kept for its next ensembles; how often the progress is reported
 
 
 def ensemble(
@@ -340,7 +338,7 @@ def _work(runs: _Runs, n: int, workers: int, progress: Progress) -> None:
         try:
             running = True
             while running:
-                finished, waiting = wait(tasks, timeout=GLANCE, return_when=FIRST_EXCEPTION)
+                finished, waiting = wait(tasks, timeout=GLANCE_S, return_when=FIRST_EXCEPTION)
                 tell(runs.done, n)
                 running = bool(waiting) and not any(task.exception() for task in finished)
         except KeyboardInterrupt:

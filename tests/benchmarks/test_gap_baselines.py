@@ -3,7 +3,6 @@
 import json
 
 import numpy as np
-import pytest
 from stickslip.logs import Log
 
 from benchmarks.gap.baselines import shrinkages, without_what_is_predicted
@@ -11,14 +10,6 @@ from benchmarks.gap.generator import record
 from benchmarks.gap.leaving_out import leaving_out, table
 from benchmarks.gap.models import model
 from benchmarks.gap.runs import Run
-
-
-@pytest.fixture(autouse=True, scope="module")
-def own_cache(tmp_path_factory):
-    patch = pytest.MonkeyPatch()
-    patch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
-    yield
-    patch.undo()
 
 
 def reached(name, **values):

@@ -58,15 +58,6 @@ def with_effects(recorded, logged):
     return log
 
 
-@pytest.fixture(autouse=True, scope="session")
-def own_cache(tmp_path_factory):
-    """Keep floors in a folder of the test."""
-    patch = pytest.MonkeyPatch()
-    patch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
-    yield
-    patch.undo()
-
-
 @pytest.fixture(scope="session")
 def site_record():
     """Simulate a loop of a site, by default its flow loop, as its historian would log it, a row every 5 s, for 2 h."""

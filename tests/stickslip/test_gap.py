@@ -19,8 +19,7 @@ def nothing():
 
 
 @pytest.fixture
-def model(tmp_path, monkeypatch):
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+def model(tmp_path):
     path = tmp_path / "model.py"
     path.write_text(MODEL)
     return path
