@@ -107,7 +107,7 @@ class LoopFit:
         0 where a straight line does not tell PV best.  The largest that is weighed is about OP's own travel, and stands
         for all that are larger: such a stem rests.
         """
-        if self.evidence is None or not self.evidence.excludes:
+        if self.evidence is None or self.evidence.bent > 0.0 or self.evidence.coarse:
             return 0.0
         sizes = self.evidence.sizes
         return max(-float(self.evidence.curve[sizes >= min(S, float(sizes[-1]))].max()), 0.0)
