@@ -4,8 +4,8 @@
     stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
     controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i as read, over its standard deviation
     noise, load, level  z^2 / 2,   the same of a spread, or a difference; blocks of the record tell its deviation
-    named               where the ratio is beyond what counts: from ``ENOUGH`` nats, and of valve and process the best
-                        one alone, from ``FITTED`` nats
+    named               where the ratio is beyond what counts: from ``ENOUGH`` nats; the load, and of valve and process
+                        the best one alone, from ``FITTED`` nats
 
 What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
 load makes another fit.  Noise, load and level are those that the likeliest loops leave, changed or not.
@@ -31,6 +31,7 @@ __all__ = ["changes", "lacks"]
 Floats = NDArray[np.float64]
 Two = tuple[float, float]  # earlier, later
 ENOUGH, FITTED = 10.0, 20.0  # nats
+FROM_FIT = (*PARTS, "disturbance")  # as well as the fit is
 ALIKE = 4.0  # nats by which a part may be behind the best one, to be named beside it
 FAR = {"process_gain": 1.6, "process_time_constant": 1.6}  # logarithms of ratios beyond which nobody believes it
 BLOCKS = 12  # of the records of a time
@@ -94,7 +95,7 @@ def _change(
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
-    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FITTED if effect in PARTS else ENOUGH
+    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FITTED if effect in FROM_FIT else ENOUGH
     sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
     probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
