@@ -115,7 +115,7 @@ class Advice:
         harm = [one.name for one in self.tried if np.median(one.outcome.pv_sd) > 1.02 * sd]
         if harm:
             found.append(f"In these loops it gets worse with: {', '.join(harm)}.")
-        return [*found, f"Remedies are compared by how far SP - PV swings, plus {TRAVEL:g} of how far the stem travels."]
+        return [*found, f"The least swing of SP - PV plus {TRAVEL:g} of the travel is best, both over that of none."]
 
     def to_dict(self) -> dict[str, Any]:
         """The advice for JSON."""
