@@ -115,7 +115,7 @@ class Advice:
         harm = [one.name for one in self.tried if np.median(one.outcome.pv_sd) > 1.02 * sd]
         if harm:
             found.append(f"In these loops it gets worse with: {', '.join(harm)}.")
-        return found
+        return [*found, f"The least swing of SP - PV plus {TRAVEL:g} of the travel is best, both over that of none."]
 
     def to_dict(self) -> dict[str, Any]:
         """The advice for JSON."""
@@ -128,7 +128,7 @@ class Advice:
             },
             "remedies": [each.to_dict() for each in self.tried],
             "until_shutdown": self.until_shutdown, "at_shutdown": self.at_shutdown,
-            "cost": self.cost.to_dict(),
+            "travel_weight": TRAVEL, "cost": self.cost.to_dict(),
             "words": self.words(), "fit": self.fit.to_dict(),
         }  # fmt: skip
 

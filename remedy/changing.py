@@ -4,10 +4,11 @@
     stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
     controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i as read, over its standard deviation
     noise, load, level  z^2 / 2,   the same of a spread, or a difference; blocks of the record tell its deviation
-    named               from ``ENOUGH`` nats, where the ratio is beyond what counts; of valve and process the best alone
+    named               where the ratio is beyond what counts: from ``ENOUGH`` nats; the load, and of valve and process
+                        the best one alone, from ``FITTED`` nats
 
-What counts keeps out what is sure but small: no plant is the model's, so that another load makes another fit.  Noise,
-load and level are those that the likeliest loops leave, changed or not.
+What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
+load makes another fit.  Noise, load and level are those that the likeliest loops leave, changed or not.
 Not told: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
 process at once.
 """
@@ -20,6 +21,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.change import COUNTS, Change, Changes
+from stickslip.remedy.left import free_of_line
 from stickslip.remedy.loop_fit import LoopFit, Size
 from stickslip.remedy.process import Loop
 from stickslip.remedy.together import PARTS, Pair
@@ -28,7 +30,8 @@ __all__ = ["changes", "lacks"]
 
 Floats = NDArray[np.float64]
 Two = tuple[float, float]  # earlier, later
-ENOUGH = 20.0  # nats
+ENOUGH, FITTED = 10.0, 20.0  # nats
+FROM_FIT = (*PARTS, "disturbance")  # as well as the fit is
 ALIKE = 4.0  # nats by which a part may be behind the best one, to be named beside it
 FAR = {"process_gain": 1.6, "process_time_constant": 1.6}  # logarithms of ratios beyond which nobody believes it
 BLOCKS = 12  # of the records of a time
@@ -64,12 +67,12 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     found += [_controller(effect, earlier, later, unit) for effect, unit in (
         ("controller_gain", f"{op} per {pv}"), ("controller_integral_time", "s")
     )]  # fmt: skip
-    likeliest = pair.own[best] if gains[best] >= ENOUGH else pair.shared
+    likeliest = pair.own[best] if gains[best] >= FITTED else pair.shared
     lefts, (before, after) = pair.lefts(likeliest), (abs(one.K) + 1e-300 for one in likeliest.loops)
-    gained = math.log(after / before)
+    gained, fine = math.log(after / before), [_fine(own) for own in lefts]
     found += [
-        _spread("sensor_noise", [_fine(own) for own in lefts], pv),
-        _spread("disturbance", [_slow(own, pair.between) for own in lefts], pv, gained),
+        _spread("sensor_noise", fine, pv),
+        _spread("disturbance", _slow(lefts, pair.between, [float(np.mean(one)) for one in fine]), pv, gained),
     ]
     if likeliest.loops[0].integrating:
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
@@ -92,15 +95,15 @@ def _change(
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
-    nats, counts = max(nats, 0.0), COUNTS[effect]
+    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FITTED if effect in FROM_FIT else ENOUGH
     sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
-    probability = far / (1.0 + math.exp(min(ENOUGH - nats, 50.0)))
+    probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
     ratio = Size(None, None, None, "a level has no ratio, and none has what is at one time alone")
     if effect != "sensor_drift" and min(sizes) > 0.0:
         low, middle, high = (math.exp(min(max(by + z * min(sd, 99.0), -99.0), 99.0)) for z in (-Z90, 0.0, Z90))
         ratio = Size(middle, low, high)
-    changed = may and nats >= ENOUGH and abs(by) > counts
+    changed = may and nats >= enough and abs(by) > counts
     earlier, later = (Size(x, None, None) for x in sizes)
     return Change(effect, earlier, later, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
 
@@ -158,13 +161,16 @@ def _fine(lefts: Sequence[Floats]) -> Floats:
     )  # fmt: skip
 
 
-def _slow(lefts: Sequence[Floats], between: int) -> Floats:
-    """Mean squares (blocks,) of how far it goes within the time between two turns of OP, without the noise's share."""
-    noise = float(np.mean(_fine(lefts)))
-    moved = [one[between:] - one[:-between] for one in lefts]
-    return np.concatenate(
-        [[max(float(np.mean(b**2)) - 2.0 * noise, 0.1 * noise) for b in _blocks(one)] for one in moved]
-    )
+def _slow(lefts: Sequence[Sequence[Floats]], between: int, noises: Sequence[float]) -> list[Floats]:
+    """Mean squares (blocks,) of how far each time goes between two turns of OP, without the share of its noise.
+
+    What is small beside the larger noise of both times is not known, and taken for the same.
+    """
+    found = []
+    for own, noise in zip(lefts, noises, strict=True):
+        moved = [float(np.mean(block**2)) for one in own for block in _blocks(one[between:] - one[:-between])]
+        found.append(np.maximum(np.array(moved) - 2.0 * noise, 0.1 * max(noises)))
+    return found
 
 
 def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0.0) -> Change:
@@ -181,17 +187,13 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
 
 
 def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:
-    """The change of PV's level beside the flow, over what the level of the earlier time varies by.
+    """The change of PV's level beside the flow, over what the level of a block varies by: loads may stay for long.
 
-    Blocks that are alike beside each other count for fewer.  The later time's own variation would have the drift in it.
+    At the later time about a line, or a drift would count against itself.
     """
     levels = [np.concatenate([[float(b.mean()) for b in _blocks(one)] for one in own]) for own in lefts]
     before, after = (float(one.mean()) for one in levels)
-    v = levels[0] - before
-    alike = min(max(float(v[1:] @ v[:-1]) / (float(v @ v) + 1e-300), 0.0) + 0.2, 0.8)  # of few blocks it is too low
-    variance = 2.0 * float(v @ v) / len(v) ** 2 * (1.0 + alike) / (1.0 - alike) + 1e-300
+    variance = max(float(np.var(levels[0])), float(np.var(free_of_line(levels[1])[0]))) + 1e-300
     spread = float(np.std(np.concatenate(list(lefts[0])))) + 1e-300
-    moved = after - before
-    return _change(
-        "sensor_drift", (before, after), moved / spread, 0.5 * moved**2 / variance, unit, True, ("disturbance",)
-    )  # fmt: skip
+    by, nats = (after - before) / spread, 0.5 * (after - before) ** 2 / variance
+    return _change("sensor_drift", (before, after), by, nats, unit, True, ("disturbance",))

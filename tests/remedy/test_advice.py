@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stickslip.blocks import GapPI, HeValve
-from stickslip.diagram import simulate
+from stickslip.diagram import drive, simulate
 from stickslip.logs import LoopRecord
 from stickslip.remedy import FitError, cost, fit, python_of, remedies
-from stickslip.remedy.advice import SURE
+from stickslip.remedy.advice import SURE, TRAVEL
 from stickslip.remedy.example import sticky
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.setting import Situation
@@ -67,6 +67,20 @@ def test_the_trial_loop_is_the_plain_loop_where_nothing_is_set(found):
     t = np.arange(n) * found.controller.dt
     quiet = simulate(diagram, float(t[-1]), times=t, inputs={"SP": 0.0, "v": 0.0})
     np.testing.assert_allclose(quiet.log["PV"], 0.0, atol=1e-9)
+
+
+def test_a_filter_of_pv_stands_in_the_trial_loop(found):
+    law = replace(found.controller, T_f=20.0)  # ten scans
+    (smooth,) = (one for one in diagram_of(replace(found, controller=law)).blocks if one.name == "filter")
+    out = drive(smooth, 200.0, every=2.0, PV=1.0).log["PV_f"]
+    np.testing.assert_allclose(out[9], 1.0 - np.exp(-1.0), rtol=1e-9)  # analytic, ten scans after the step
+    assert not any(one.name == "filter" for one in diagram_of(found).blocks)
+
+
+def test_the_weight_of_travel_is_said(advice):
+    assert advice.to_dict()["travel_weight"] == TRAVEL
+    assert any("travel" in sentence and f"{TRAVEL:g}" in sentence for sentence in advice.words())
+    assert advice.none.score == pytest.approx(1.0 + TRAVEL)
 
 
 def test_a_loop_without_stick_gets_a_fit_and_no_remedy():
