@@ -27,6 +27,7 @@ NOTES = {
     "withheld_alarms": "sound loops of withheld families called sticky (goal: at most 0.02)",
     "withheld_cleared": "sticky loops of withheld families cleared (goal: at most 0.005)",
     "withheld_calibration_error": "ten bins (goal: at most 0.03)",
+    "withheld_by_chance": "the calibration error that right probabilities would show on so few loops",
     "worst_calibration_error": "of any family of friction, process, driver, positioner (goal: at most 0.03)",
     "withheld_S_error": "median of |told / true - 1| where called (goal: at most 0.12)",
     "positioner_auc": "loops with a positioner (goal: at least 0.8)",
@@ -65,10 +66,13 @@ def summary(rows: Sequence[Row]) -> Figures:
         shown = [row for row in these if row["shows"] or row["kind"] == "sound"]
         for label, name in (("", "p"), ("network alone: ", "p_learnt"), ("evidence alone: ", "p_evidence")):
             whole, seen = figures(these, name), figures(shown, name)
+            if not label:
+                out[f"{part}_shown_sticky"] = float(sum(row["kind"] == "sticks" for row in shown))
+                out[f"{part}_shown_sound"] = float(sum(row["kind"] == "sound" for row in shown))
             out |= {f"{label}{part}_shown_{key}": seen.get(key) for key in ("auc", "found")}
             out[f"{label}{part}_auc"] = whole.get("auc")
         whole = figures(these)
-        keys = ("calibration_error", "alarms", "called", "cleared", "cleared_sound", "S_error")
+        keys = ("calibration_error", "by_chance", "alarms", "called", "cleared", "cleared_sound", "S_error")
         out |= {f"{part}_{key}": whole.get(key) for key in keys}
     out["positioner_auc"] = figures([row for row in rows if row["positioner"] != "none"]).get("auc")
     errors = [one["calibration_error"] for one in by_family(rows).values() if one["calibration_error"] is not None]
@@ -83,7 +87,10 @@ def summary(rows: Sequence[Row]) -> Figures:
 
 
 def _lines(rows: Sequence[Row]) -> list[str]:
-    columns = ("loops", "auc", "found", "called", "alarms", "cleared", "cleared_sound", "calibration_error", "S_error")
+    columns = (
+        "loops", "auc", "found", "called", "alarms", "cleared", "cleared_sound", "calibration_error", "by_chance",
+        "S_error",
+    )  # fmt: skip
     lines = [f"{'family':28}" + "".join(f"{name[:10]:>11}" for name in columns)]
     for name, one in by_family(rows).items():
         shown = ["-" if one[c] is None else f"{one[c]:.3g}" for c in columns]

@@ -5,6 +5,7 @@
     called, alarms      shares of the sticky and of the sound loops called "stiction"
     cleared             share of the sticky loops called "no stiction"
     calibration error   mean over ten bins of |share sticky - mean probability|, of all that were given one
+    by chance           the same for probabilities that are right, from so few loops: no less can be seen
 
 Valves that have dead travel without a jump ("play") are counted apart: they are neither.
 """
@@ -60,8 +61,19 @@ def figures(rows: Sequence[Row], name: str = "p") -> dict[str, float | None]:
         "cleared": float(np.mean(word[sticks] == "no_stiction")),
         "cleared_sound": float(np.mean(word[~sticks] == "no_stiction")),
         "calibration_error": calibration_error(p[judged], sticks[judged]) if judged.any() else None,
+        "by_chance": by_chance(p[judged]) if judged.any() else None,
         "S_error": float(np.median(wrong)) if wrong else None,
     }
+
+
+def by_chance(p: npt.NDArray[np.float64], draws: int = 100) -> float:
+    """The calibration error that probabilities (n,) have on the mean where each is right.
+
+    >>> round(by_chance(np.full(10_000, 0.5)), 3), round(by_chance(np.full(25, 0.5)), 2)
+    (0.004, 0.08)
+    """
+    rng = np.random.default_rng(0)
+    return float(np.mean([calibration_error(p, rng.random(len(p)) < p) for _ in range(draws)]))
 
 
 def by_family(rows: Sequence[Row], name: str = "p") -> dict[str, dict[str, float | None]]:

@@ -6,8 +6,9 @@ from stickslip.calibration.crossed.drawing import draw
 from stickslip.calibration.crossed.history import seen
 from stickslip.calibration.crossed.stems import GAIN, JUMPLESS, LAWS, moved
 
+from benchmarks.other_physics.ceiling import gain
 from benchmarks.other_physics.judging import judged, runs
-from benchmarks.other_physics.scoring import LEAK, figures, leaks
+from benchmarks.other_physics.scoring import LEAK, by_chance, figures, leaks
 
 S, J = 6.0, 2.0
 
@@ -69,3 +70,13 @@ def test_a_row_is_judged_and_scored():
     assert {"kind", "word", "p", "S", "shows"} <= set(rows[0])
     told = [{"kind": kind, "word": "inconclusive", "p": p} for kind, p in (("sticks", 0.9), ("sound", 0.2))] * 20
     assert figures(told)["auc"] == 1.0 and figures(told)["found"] == 1.0 and figures(told)["cleared"] == 0.0
+
+
+def test_probabilities_that_are_right_err_by_chance_alone():  # analytic: mean of |N(0, 0.25 / n)| is 0.4 / sqrt(n)
+    assert by_chance(np.full(400, 0.5)) == pytest.approx(0.4 / 20.0, rel=0.2)
+
+
+def test_the_true_stem_tells_a_loop_that_shows_it():
+    sticks = [d for d in draw(12, 4) if d.kind == "sticks" and seen(d).shows]
+    gains = [gain(d) for d in sticks]
+    assert max(gains) > 20.0
