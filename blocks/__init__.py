@@ -4,7 +4,8 @@ sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noi
 log on top   Pin (of a signal)   Historian (reads, gives nothing)
 controllers  PI PID SampledPI GapPI RelayTuner
 against stick  Knocker ConstantReinforcement TwoMove (between controller and valve)
-valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
+valves       StickSlip StribeckStem LuGreStem QuasiStaticStem RestingStem (physical)   Deadband IdealValve
+             Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
 processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank Overflow
@@ -69,6 +70,7 @@ from stickslip.blocks.recorded import Recorded, Staircase
 from stickslip.blocks.relay import Relay
 from stickslip.blocks.relay_tuner import RelayTuner
 from stickslip.blocks.reset_integrator import ResetIntegrator
+from stickslip.blocks.resting_stem import RestingStem
 from stickslip.blocks.sampled_filter import SampledFilter
 from stickslip.blocks.sampled_function import SampledFunction
 from stickslip.blocks.sampled_pi import SampledPI
@@ -152,6 +154,7 @@ __all__ = [
     "Relay",
     "RelayTuner",
     "ResetIntegrator",
+    "RestingStem",
     "SampledFilter",
     "SampledFunction",
     "SampledPI",

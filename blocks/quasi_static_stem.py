@@ -43,7 +43,8 @@ def sliding_at(OP: float, direction: float, S: float, J: float, low: float, high
     return min(max(OP - direction * 0.5 * (S - J), low), high)
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+def position(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    """Write where the stem stands."""
     if d[0] == STUCK:
         y[0] = d[1]
     elif d[0] == IDEAL:
@@ -53,7 +54,8 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
         y[0] = min(stem, p[3]) if d[0] == UP else max(stem, p[2])
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+def event_functions(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+    """Write what breaks the stem away, or sticks it, when it exceeds zero."""
     g[0] = -1.0
     g[1] = -1.0
     if d[0] == STUCK:
@@ -68,7 +70,8 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
         g[1] = max(ahead, behind - NOISE)  # behind: it was started so
 
 
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+def transition(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+    """Let a stem that stuck slide, and one that slid stick."""
     if d[0] == STUCK:
         d[0] = UP if u[0] > d[1] else DOWN
     else:
@@ -92,7 +95,14 @@ class QuasiStaticStem(MasslessStem):
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(
-        out=_out, zc=_zc, jump=_jump, n_events=2, rates=True, rate_modes=(UP, DOWN), jumps=True, linear=True
+        out=position,
+        zc=event_functions,
+        jump=transition,
+        n_events=2,
+        rates=True,
+        rate_modes=(UP, DOWN),
+        jumps=True,
+        linear=True,
     )
     modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
     shown_by = {"x": "MV"}  # a stem that slides keeps no place of its own

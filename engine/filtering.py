@@ -89,7 +89,7 @@ def followed(  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, modes, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    probed, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
+    probed, joined, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -98,7 +98,8 @@ def extended(  # type: ignore[no-untyped-def]
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
-    of rounding; ``probed`` which signals are asked whether they bend.  ``z`` (n,), ``spread`` (n, columns): the state
+    of rounding; ``probed`` which signals are asked whether they bend; ``joined`` whether every row has all gains, not
+    only those near a kink.  ``z`` (n,), ``spread`` (n, columns): the state
     before the first stop, and a factor of its variance.
 
     Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
@@ -187,7 +188,7 @@ def extended(  # type: ignore[no-untyped-def]
                 bends = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
                                      sd[k], z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
             kinks[row] = near = bends
-            if kinks[row]:
+            if kinks[row] or joined:
                 F = joint(D, columns, sd[k], width, bent(B[which[k]], G[which[k]]))
             before = values[row - 1] if row > 0 else nothing
             z[:] = behind

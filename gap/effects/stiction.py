@@ -14,6 +14,7 @@ from typing import Any
 
 from stickslip.blocks.block import Block
 from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.resting_stem import RestingStem
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter, not_below
@@ -50,3 +51,16 @@ class Stiction(Inserted):
         if values["J"] > values["S"]:
             return f"J = {values['J']:g} %, but a jump is part of S = {values['S']:g} %; lower J or raise S"
         return not_below(values, {"S": 0.0, "J": 0.0})
+
+
+class RestingStiction(Stiction):
+    """A valve that sticks anew whenever OP stands still, as between the scans of a controller.
+
+    >>> from stickslip.plant.loops import self_regulating_loop
+    >>> type(RestingStiction().insert(self_regulating_loop(), "valve", S=5.0, J=2.0)["valve:stiction"]).__name__
+    'RestingStem'
+    """
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the stem."""
+        return RestingStem(0.01, 0.0, low=-math.inf, high=math.inf, name=self.block(place))

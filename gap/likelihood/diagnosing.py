@@ -15,7 +15,6 @@ from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
 from stickslip.gap.likelihood.search import (
-    SETTLING,
     Candidate,
     candidates,
     fitted,
@@ -25,8 +24,8 @@ from stickslip.gap.likelihood.search import (
     model_alone,
     price,
     schwarz,
-    settled,
 )
+from stickslip.gap.likelihood.settling import SETTLING, settled
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
@@ -35,7 +34,7 @@ from stickslip.gap.records.start import start_values
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
-STEMS = 20.0  # nats to which a filter that follows the mean of a stem is sure: one play as two blocks differed by 18
+STEMS = 8.0  # nats to which a bank of stems is sure: the same sizes with gains of other paths differed by as much
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer of their own
 
 
@@ -103,9 +102,9 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
     alone = judged(null, [], seed)
-    if not alone.unusual and not gross(rough) and all(worth(c) + ROUGHLY < needed(found) for c in found):
-        return Outcome(null, alone, (), None, False, (), found)
-    fits = fitted(rough, found, progress)
+    calm = not alone.unusual and not gross(rough) and all(worth(c) + ROUGHLY < needed(found) for c in found)
+    # scores say little of what hides a mode
+    fits = fitted(rough, [c for c in found if c.looked.hypothesis.hides] if calm else found, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), found)

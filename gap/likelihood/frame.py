@@ -23,13 +23,14 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 class Frame:
     """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
-    ``seen`` the share of the rows, from the first, that a fit sees.
+    ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most.
     """
 
     model: Diagram
     record: Record
     apart: bool = False
     seen: float = 1.0
+    draws: int = DRAWS
 
     @cached_property
     def quiet(self) -> Diagram:
@@ -125,7 +126,7 @@ class Frame:
             block = self.model[one.block]
             if one.correlation_time == 0.0:
                 offset = float(block.params.get("offset", 0.0))
-                every = block.period * max(1, math.ceil(self.record.log.dt / block.period / DRAWS))
+                every = block.period * max(1, math.ceil(self.record.log.dt / block.period / self.draws))
                 first = offset + every * math.ceil((t[0] - offset) / every - 1e-9)
                 times.append(np.arange(first, t[-1] + 1e-9, every))
         every_time = np.sort(np.concatenate(times))

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 from stickslip.gap.answers.report import Shrinkage
 from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.hypothesis import Innovations
-from stickslip.gap.likelihood.search import FIRST, free_names
+from stickslip.gap.likelihood.settling import FIRST, free_names
+from stickslip.gap.likelihood.stems import StemFit
 from stickslip.gap.telling.sizes import SEEN, shrinkage_of_losses
 
 
@@ -19,6 +21,9 @@ def held_out(null: Fit, best: Fit) -> Shrinkage | None:
 
 def _of_first_rows(fit: Fit) -> Innovations | None:
     one = fit.hypothesis
+    if isinstance(fit, StemFit):
+        rows = one.frame.counted & (np.arange(len(one.frame.counted)) < SEEN * len(one.frame.counted))
+        return min(fit.trials, key=lambda trial: float(trial.losses[rows].sum()))
     first = one.of(replace(one.frame, seen=SEEN))
     start = tried(first, fit.best.values)
     return None if start is None else refined(start, free_names(one), FIRST).best

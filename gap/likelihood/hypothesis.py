@@ -80,27 +80,31 @@ class Hypothesis:
             found |= self.effect.settings(self.frame.model, self.place, **own)
         return found
 
-    def filtered(self, values: Mapping[str, float], near: "Innovations | None" = None) -> "Innovations":
+    def filtered(
+        self, values: Mapping[str, float], near: "Innovations | None" = None, joined: bool = False
+    ) -> "Innovations":
         """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, its mean alone.
+
+        ``joined``: whether every row has all gains, which a bank needs.
 
         Raises ``ArithmeticError`` where a run of the diagram fails.
         """
         f, p = self.frame, self.prepared
         full = {**self.nominal, **values}
-        I, W = p.fresh(float(f.stops[0][0]), self._diagram(full))
-        phi, sd = self._noise(full)
-        z = standing(W, self._places[0])
+        I, W = p.fresh(float(f.stops[0][0]), self.diagram_with(full))
+        phi, sd = self.noise_with(full)
+        z = standing(W, self.places[0])
         n, m, q = len(z), len(f.signals), len(p.noise)
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
         if near is not None:
-            gains, turns = self._gains(near), self._turns(near)
+            gains, turns = self.gains_of(near), self._turns(near)
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
-                I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[0, self._where], times, row_of,
+                I, W, buffer, *kept_sizes(I), self.places, self.shown, self.places[0, self.where], times, row_of,
                 phi, f.Y, gains, near.kinks, turns, z, shown, missed,
             )  # fmt: skip
-            _complain(status)
+            complain(status)
             return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, turns, shown)
         size, spread = self._start(z)
         e, S, shown = (np.full(f.Y.shape, np.nan) for _ in range(3))
@@ -108,11 +112,11 @@ class Hypothesis:
         which, kinks = np.zeros(len(times), dtype=np.int64), np.zeros(len(f.Y), dtype=np.bool_)
         turns = np.zeros((len(times), n + m))
         status, *pools = extended(
-            I, W, buffer, *kept_sizes(I), self._places, self.prepared.modes, self._shown, self._places[0, self._where],
-            self._where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks,
-            turns, shown, e, S,
+            I, W, buffer, *kept_sizes(I), self.places, self.prepared.modes, self.shown, self.places[0, self.where],
+            self.where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, joined, z.copy(), spread, which, force,
+            gains, kinks, turns, shown, e, S,
         )  # fmt: skip
-        _complain(status)
+        complain(status)
         return Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
@@ -121,11 +125,11 @@ class Hypothesis:
         full = {**known.values, **values}
         path, shown = known.path, known.shown
         assert path is not None and shown is not None
-        phi, sd = self._noise(full)
+        phi, sd = self.noise_with(full)
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force,
+        otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains, known.kinks, known.turns)
 
@@ -151,7 +155,7 @@ class Hypothesis:
         """What the hypotheses of a record share."""
         return self.frame
 
-    def _diagram(self, values: Mapping[str, float]) -> Diagram:
+    def diagram_with(self, values: Mapping[str, float]) -> Diagram:
         """Return the prepared diagram with these values."""
         p = self.prepared
         others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self.noise_keys}
@@ -172,7 +176,7 @@ class Hypothesis:
         """The parameters that only make the random numbers of the model larger, or slower."""
         return frozenset(f"{one.block}.{key}" for one, _ in self.prepared.noise for key in ("sd", "correlation_time"))
 
-    def _noise(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+    def noise_with(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""
         f, settings = self.frame, self.settings(values)
         times, _ = f.stops
@@ -189,9 +193,9 @@ class Hypothesis:
     def _start(self, z: Floats) -> tuple[Floats, Floats]:
         """Return the size of each state, and a factor of what is not known of it at the start, (states, columns)."""
         size = np.maximum(np.abs(z), LEAST)
-        return size, np.delete(np.diag(UNSURE * size), self._where, axis=1)
+        return size, np.delete(np.diag(UNSURE * size), self.where, axis=1)
 
-    def _gains(self, near: "Innovations") -> Floats:
+    def gains_of(self, near: "Innovations") -> Floats:
         """Return the gains of another filter for the states that both have; other states are not set right."""
         mine, theirs = self.names, near.hypothesis.names
         if mine == theirs:
@@ -226,22 +230,24 @@ class Hypothesis:
         return [name for name, *_ in self.prepared.states]
 
     @cached_property
-    def _places(self) -> Whole:
+    def places(self) -> Whole:
         """Where the state is set, and where it is read, (2, states)."""
         return np.array([(at, read) for _, at, read in self.prepared.states], dtype=np.int64).T.copy()
 
     @cached_property
-    def _where(self) -> Whole:
+    def where(self) -> Whole:
         """Where in the state the noises in force stand."""
         return np.array([self.names.index(f"{holder}.value") for _, holder in self.prepared.noise], dtype=np.int64)
 
     @cached_property
-    def _shown(self) -> Whole:
+    def shown(self) -> Whole:
+        """Where logged signals are read, (signals,)."""
         p = self.prepared
         return np.array([p.component.signals[p.diagram.signals.index(s)] for s in self.frame.signals], dtype=np.int64)
 
 
-def _complain(status: int) -> None:
+def complain(status: int) -> None:
+    """Raise ``ArithmeticError`` for a status that is not 0."""
     if status != 0:
         raise ArithmeticError(f"a run of the diagram failed, with status {status}")
 
@@ -265,6 +271,9 @@ class Innovations:
     variances ``S``, and the ``gains`` of the filter; ``kinks`` the rows near a limit or a kink, ``turns`` what bends
     add to the mean at each stop (see ``extended``); ``shown`` what its mean showed at each row before the row set it
     right, and the ``path`` that it took.
+
+    Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where the ``stem`` of one
+    likely member stood at each stop.
     """
 
     hypothesis: Hypothesis
@@ -276,6 +285,9 @@ class Innovations:
     turns: Floats
     shown: Floats | None = None
     path: Path | None = None
+    near: "Innovations | None" = None
+    mixed: Floats | None = None
+    stem: Floats | None = None
 
     def again(self) -> "Innovations":
         """Return the same values with slopes and a path of their own."""
@@ -299,6 +311,8 @@ class Innovations:
         loss = 0.5 * near**2 + FAR * (size - near)
         f = self.hypothesis.frame
         sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
+        if self.mixed is not None:
+            return np.asarray(sure + self.mixed)
         return np.asarray(sure + np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
 
     @cached_property

@@ -16,11 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.search import Candidate, basis, trusted
+from stickslip.gap.likelihood.stems import MEMBERS
 
 Floats = NDArray[np.float64]
-RUNS = 24  # of a hypothesis, which say what is usual
+RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
 ALARM = 0.005  # share of right hypotheses that are called wrong
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
@@ -48,15 +51,16 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     away = [(f"a little of {c.looked.hypothesis.effect.name} at {c.looked.hypothesis.place}", c.direction)
             for c in others if c.looked.hypothesis.effect is not None]  # fmt: skip
     directions = _apart(fit, away)
-    name, size = largest(fit, directions)
     one, f = fit.hypothesis, fit.hypothesis.frame
+    mine = _left(fit, one)
+    name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
     usual = []
-    for log in without_gap(one.model(fit.best.values), f.record, RUNS, seed + 1):
-        run = one.of(replace(f, record=replace(f.record, log=log)))
-        left = tried(run, fit.best.values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
+    runs = RUNS_OF_BANK if one.hides else RUNS
+    for log in without_gap(one.model(fit.best.values), f.record, runs, seed + 1):
+        left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
         if left is not None:
             usual.append(largest(replace(fit, best=left), directions)[1])
-    if len(usual) < RUNS // 2:
+    if len(usual) < runs // 2:
         return Verdict(size, name, 1.0, math.inf)
     low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
     least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
@@ -64,6 +68,18 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     a = float(middle) - _gumbel(QUARTILES[1]) * b
     p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
     return Verdict(size, name, p, a + b * _gumbel(1.0 - ALARM))
+
+
+def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
+    """Return what a record, or a run, leaves with the values of a fit: a bank of few members where a stem is hidden."""
+    values = fit.best.values
+    if not run.hides:
+        return tried(run, values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
+    assert fit.best.near is not None
+    try:
+        return left_by_bank(run, values, fit.best.near, MEMBERS)
+    except ArithmeticError:
+        return None
 
 
 def _gumbel(share: float) -> float:

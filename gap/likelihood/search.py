@@ -9,7 +9,7 @@ of their own and are fitted with all that is free in the model.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +19,17 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, coordinate, refined, tried, value
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
+from stickslip.gap.likelihood.settling import FIRST, free_names, settled
 from stickslip.gap.likelihood.sizes import sizes
-from stickslip.gap.likelihood.stems import likeliest_band, likeliest_jump
-from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.likelihood.stems import fitted_stem, resting, settled_stem
 
 Floats = NDArray[np.float64]
 NOISE = "sensor_noise"
 BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no likelihood of rows does
 TRIED = 10  # effects that are fitted
 LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted to the end
-SETTLING = 4  # times that a fit and the switches of its inputs follow each other
-FIRST, APPROACH = 2, 4  # rounds of a first fit, and of one with the gains of the model before it
+BAND_NATS, BAND_SHARE = 3.0, 0.25  # that a play has to gain, or of the best gain, before a jump is looked for
+APPROACH = 4  # rounds of a fit with the gains of the model before it
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 WALKED, STEP = 8, 0.25  # steps towards the likeliest size, and the first of a coordinate, where no slope shows it
@@ -70,21 +70,6 @@ def model_alone(frame: Frame) -> Fit:
     return refined(best, tuple(frame.free))
 
 
-def settled(fit: Fit) -> Fit:
-    """Return a fit in all rows, its inputs switching when that suits it."""
-    one = fit.hypothesis
-    start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
-    if start is None:
-        return fit
-    for _ in range(SETTLING):
-        start = with_switches(start)
-        fit = refined(start, free_names(one), FIRST)
-        if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
-            break
-        start = fit.best
-    return fit
-
-
 def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     """Return the hypotheses that a catalogue has for a record.
 
@@ -93,7 +78,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     frame = null.hypothesis.frame
     left_out: tuple[str, ...] = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
     return [
-        Hypothesis(frame, effect, place)
+        Hypothesis(frame, resting(effect) if frame.scanned else effect, place)
         for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in effect.places(frame.model)
     ]  # fmt: skip
@@ -121,18 +106,29 @@ def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> 
     first: list[Fit] = []
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [*found[:TRIED], *(c for c in found[TRIED:] if c.looked.hypothesis.hides)]
-    chosen.sort(key=lambda c: bool(c.looked.hypothesis.nests))
+    chosen.sort(key=lambda c: (c.looked.hypothesis.hides, bool(c.looked.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
-            mine = one.looked.hypothesis
-            without = next((f.best for f in first if _is_without_jump(f.hypothesis, mine)), None)
-            start = _own_filter(null, one) if without is None else likeliest_jump(mine, without)
-            if start is not None:
-                first.append(refined(start, free_names(start.hypothesis), FIRST))
+            fit = _first_fit(null, one, first)
+            if fit is not None:
+                first.append(fit)
             tell(k + 1, len(chosen))
     first.sort(key=price)
     near = [fit for fit in first if price(fit) < price(first[0]) + LAGGING] if first else []
-    return sorted((settled(fit) for fit in near), key=price)
+    return sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
+
+
+def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit]) -> Fit | None:
+    """Return the first fit of a candidate; ``found`` those before it."""
+    mine = one.looked.hypothesis
+    if mine.hides:
+        band = next((f for f in found if _is_without_jump(f.hypothesis, mine)), None)
+        most = max((null.nll - f.nll for f in found), default=0.0)
+        if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
+            return None  # what no play explains to some part no stem that jumps explains
+        return fitted_stem(null, mine, band)
+    start = _own_filter(null, one)
+    return None if start is None else refined(start, free_names(start.hypothesis), FIRST)
 
 
 def _is_without_jump(narrow: Hypothesis, wide: Hypothesis) -> bool:
@@ -156,20 +152,12 @@ def free_parameters(left: Innovations) -> int:
     return sum(math.isfinite(left.values[p.name]) for p in effect.parameters) if effect else 0
 
 
-def free_names(one: Hypothesis) -> tuple[str, ...]:
-    """Return the parameters that a fit varies: those of the effect that have a slope, and all that is free."""
-    own = tuple(p.name for p in one.effect.parameters if p.smooth) if one.effect else ()
-    return (*own, *one.frame.free)
-
-
 def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
     hypothesis = one.looked.hypothesis
     effect = hypothesis.effect
     assert effect is not None
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
-    if effect.hidden:
-        return likeliest_band(one.looked)
     if gross(null):
         size = _walked(one.looked, one.looked)
         return tried(hypothesis, size.values)

@@ -1,81 +1,279 @@
-"""The likeliest sizes of an effect that hides a mode, a stem that sticks: each size by a filter of its own.
+"""A stem that plays or sticks, fitted by a bank of stems, each with a path of its own, given which the rest is linear.
 
-The gains of another filter say little of a stem, since they do not know when it sticks, and a model without a stem has
-taken the stem for noise or a load.  So noise and loads are fitted at each size of a grid, and the size is narrowed near
-the best.  A slip jump is tried last, from the likeliest stem without one, which is a deadband.
+    1. gains: a filter in which the stem goes where OP sends it; later, where the likeliest member went
+    2. sizes: a grid, then near the likeliest of it; where controllers scan, by two laws of rest
+    3. noise, loads and tolerances: fitted with the likeliest path as known; then gains and sizes again
+
+A model without a stem has taken it for noise or a load, so these are fitted before sizes are compared closely.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from stickslip.gap.likelihood.fit import refined, tried
+from numpy.typing import NDArray
+from stickslip.gap.effects.stiction import RestingStiction, Stiction
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.inserted import percent_in
+from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.fit import Fit, refined, width
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.known_stem import KnownStem
+from stickslip.gap.likelihood.switches import with_switches
 
-GRID = 5  # sizes over their whole range
-NARROWED = 6  # trials between two of them
+Floats = NDArray[np.float64]
+BETWEEN = 3  # draws of a noise from row to row, at most
+SIZES = 10  # bands over their range, first
+SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
+ABOUT = (0.92, 0.96, 1.0, 1.04, 1.08)  # the band that stands for a jump, over S - J/2
+SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
+NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
+STARTS, APART = 2, 0.14  # places from which sizes are searched, and by how much their J/S differ at least
+STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
+FEW, MEMBERS, LAST_MEMBERS = 6, 12, 24  # of a bank while sizes are looked for, searched, and at the end
 ROUNDS = 2  # of a fit of noise and loads
-JUMPS = (0.2, 0.4, 0.6)  # of S
-NEAR = 0.15  # share by which sizes near the best are tried
+AGAIN = 4  # sizes that are asked again in all rows
+ASIDE = 0.1  # share by which sizes are changed to see how sure they are
+LEAST_LOSS, MOST_LOSS = 1.5, 80.0  # nats between which the losses of a bank tell how sure a size is
 
 
-def likeliest_band(start: Innovations) -> Innovations | None:
-    """Return a filter of its own of the likeliest band of a stem without a jump; ``start`` has the values of all else.
+@dataclass(frozen=True, eq=False)
+class StemFit(Fit):
+    """The fit of a stem, with all ``trials`` of its sizes that share noise and gains."""
 
-    None where no filter can follow it.
-    """
-    band, *jump = start.hypothesis.own
-    low, high = start.hypothesis.bounds[band]
-    grid = np.geomspace(low, high, GRID + 2)[1:-1].tolist()
-    free = tuple(start.hypothesis.frame.free)
-    several = [{band: value, **dict.fromkeys(jump, 0.0)} for value in grid]
-    found = [refined(one, free, ROUNDS).best for one in _good(start, several)]
-    return _narrowed(min(found, key=_nll), band, grid[1] / grid[0]) if found else None
+    trials: tuple[Innovations, ...]
 
 
-def likeliest_jump(one: Hypothesis, without: Innovations) -> Innovations | None:
-    """Return a filter of its own of the likeliest sizes of a stem that jumps, from the likeliest ``without`` a jump."""
-    band = without.values[without.hypothesis.own[0]]
-    shared = {key: without.values[key] for key in one.frame.free}
-    start = tried(one, {**shared, "S": band, "J": 0.0})
-    if start is None:
+@dataclass(eq=False)
+class Bank:
+    """Trials of one stem with ``shared`` values of noise, loads, tolerances, and gains of the filter ``near``."""
+
+    one: Hypothesis
+    shared: dict[str, float]
+    near: Innovations
+    members: int = MEMBERS
+    trials: list[Innovations] = field(default_factory=list)
+
+    def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
+        """Return what a bank of these sizes leaves; None where they cannot be, or a run fails."""
+        one = one or self.one
+        assert one.effect is not None
+        if one.effect.rules(one.frame.model, one.place, size):
+            return None
+        try:
+            found = left_by_bank(one, {**self.shared, **size}, self.near, self.members)
+        except ArithmeticError:
+            return None
+        if not math.isfinite(found.nll):
+            return None
+        self.trials.append(found)
+        return found
+
+    def best(self) -> Innovations | None:
+        """Return the likeliest trial."""
+        return min(self.trials, key=_nll, default=None)
+
+
+def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None) -> Fit | None:
+    """Return the fit of a stem, a band or, from the fit ``without`` one, a jump; None where no run follows it."""
+    one = one.of(replace(one.frame, draws=BETWEEN))
+    shared = {key: (without or null).best.values[key] for key in one.frame.free}
+    path = without.best.stem if without is not None else _ideal(null, one)
+    bank = None if path is None else _with_path(one, shared, path, FEW)
+    if bank is None:
         return None
-    # a play that stands for a stem that jumps has a band between S - J and S
-    several = [{"S": band / (1.0 - 0.5 * share), "J": share * band / (1.0 - 0.5 * share)} for share in JUMPS]
-    best = min([start, *(refined(x, tuple(one.frame.free), ROUNDS).best for x in _good(start, several))], key=_nll)
-    if best is start:
-        return start
-    S, J = best.values["S"], best.values["J"]
-    near = [{"S": S * by, "J": J * by} for by in (1.0 - NEAR, 1.0 + NEAR)]
-    near += [{"J": J * by} for by in (1.0 - 2.0 * NEAR, 1.0 + 2.0 * NEAR)]
-    return min([best, *_good(best, near)], key=_nll)
+    for size in _bands(one) if without is None else _jumps(without):
+        bank.tried(size)
+    bank.members = MEMBERS
+    best = min((_refined(bank, start) for start in _starts(bank)), key=_nll, default=None)
+    if best is None:
+        return None
+    known = refined(_known(one, best.stem).filtered(shared), tuple(one.frame.free), ROUNDS)
+    shared = {key: known.best.values[key] for key in one.frame.free}
+    bank = _with_path(one, shared, best.stem)
+    if bank is None:
+        return None
+    _refined(bank, best)
+    return _finished(bank, known) if bank.trials else None
 
 
-def _narrowed(best: Innovations, size: str, by: float) -> Innovations:
-    """Return the likeliest of some sizes within a factor, found by Brent's search."""
-    from scipy.optimize import minimize_scalar
-
-    least, most = best.hypothesis.bounds[size]
-    seen = [best]
-
-    def nll(x: float) -> float:
-        found = _at(best, {size: math.exp(x)})
-        if found is None:
-            return math.inf
-        seen.append(found)
-        return found.nll
-
-    ends = math.log(max(best.values[size] / by, least)), math.log(min(best.values[size] * by, most))
-    minimize_scalar(nll, bounds=ends, method="bounded", options={"maxiter": NARROWED, "xatol": 0.02})
-    return min(seen, key=_nll)
+def _bands(one: Hypothesis) -> list[dict[str, float]]:
+    """Return the bands without a jump that are tried first."""
+    low, high = _range(one)
+    return [{one.own[0]: float(s), **dict.fromkeys(one.own[1:], 0.0)} for s in np.geomspace(low, high, SIZES)]
 
 
-def _good(start: Innovations, several: Sequence[dict[str, float]]) -> list[Innovations]:
-    return [found for values in several if (found := _at(start, values)) is not None]
+def _jumps(without: Fit) -> list[dict[str, float]]:
+    """Return the sizes of a stem that jumps that are tried first: a play that stands for it has a band of S - J/2."""
+    band = without.best.values[without.hypothesis.own[0]]
+    S = [(band * about / (1.0 - 0.5 * share), share) for share in SHARES for about in ABOUT]
+    return [{"S": band, "J": 0.0}, *({"S": size, "J": share * size} for size, share in S)]
 
 
-def _at(start: Innovations, values: dict[str, float]) -> Innovations | None:
-    return tried(start.hypothesis, {**start.values, **values})
+def resting(effect: Effect) -> Effect:
+    """Return an effect; a stem that jumps as one that sticks anew between scans."""
+    return RestingStiction() if type(effect) is Stiction else effect
+
+
+def settled_stem(fit: Fit) -> Fit:
+    """Return the fit of a stem in all rows, inputs switching when that suits its likeliest path."""
+    assert isinstance(fit, StemFit)
+    best = fit.best
+    one = best.hypothesis.of(replace(best.hypothesis.frame, apart=False))
+    shared = {key: best.values[key] for key in one.frame.free}
+    found: list[Bank] = []
+    for frame in (one.frame, with_switches(_known(one, best.stem).filtered(shared)).hypothesis.frame):
+        bank = _with_path(one.of(frame), shared, best.stem)
+        if bank is not None and bank.tried(_sizes(best)) is not None:
+            found.append(bank)
+    if not found:
+        return fit
+    bank = min(found, key=lambda b: b.trials[0].nll)
+    for trial in sorted(fit.trials, key=_nll)[1:AGAIN]:
+        bank.tried(_sizes(trial))
+    return replace(fit, best=_last(bank), trials=tuple(bank.trials))
+
+
+def _finished(bank: Bank, known: Fit) -> Fit:
+    """Return the fit of the likeliest trial; ``known``: that of the rest with its path."""
+    best = bank.best()
+    assert best is not None
+    for k in range(len(best.hypothesis.own)):
+        for way in (1.0 - ASIDE, 1.0 + ASIDE):
+            bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
+    last = _last(bank)
+    mine = [trial for trial in bank.trials if trial.hypothesis.effect is last.hypothesis.effect]
+    names, sure = _certainty(last, mine)
+    rows = known.slopes.shape[1:] if len(known.slopes) else last.e.shape
+    slopes = np.concatenate([np.zeros((len(names), *rows)), known.slopes.reshape(-1, *rows)])
+    I = np.zeros((len(names) + len(known.names),) * 2)
+    I[: len(names), : len(names)], I[len(names) :, len(names) :] = np.diag(sure), known.I
+    return StemFit(last, (*names, *known.names), I, slopes, tuple(mine))
+
+
+def _last(bank: Bank) -> Innovations:
+    """Return the likeliest trial of a bank, asked again with more members."""
+    best = bank.best()
+    assert best is not None
+    bank.members = LAST_MEMBERS
+    return bank.tried(_sizes(best), best.hypothesis) or best
+
+
+def _certainty(best: Innovations, trials: Sequence[Innovations]) -> tuple[tuple[str, ...], list[float]]:
+    """Return the sizes of a stem, and Fisher's information of the coordinate of each.
+
+    It is that of the flattest parabola through the likeliest trial and another, which is the one along the ridge.
+    """
+    names: list[str] = []
+    sure: list[float] = []
+    for name in best.hypothesis.own:
+        unit = width(best.hypothesis, name)
+        aside = [((t.values[name] - best.values[name]) / unit, t.nll - best.nll) for t in trials]
+        bends = [2.0 * loss / x**2 for x, loss in aside if abs(x) > 0.0 and LEAST_LOSS < loss < MOST_LOSS]
+        if bends:
+            names.append(name)
+            sure.append(min(bends))
+    return tuple(names), sure
+
+
+def _range(one: Hypothesis) -> tuple[float, float]:
+    """Return the smallest and the largest band that are looked for, by how far the wave of OP goes [% OP]."""
+    low, high = one.bounds[one.own[0]]
+    f = one.frame
+    valve = f.model[one.place]
+    ops = [s for s in f.ops if s in map(str, valve.input_labels)] or list(f.ops)
+    travel = max(
+        (float(np.ptp(f.Y[np.isfinite(f.Y[:, k]), k])) for s in ops for k in [f.signals.index(s)]), default=0.0
+    )
+    travel /= percent_in(f.model, one.place)
+    if travel <= 0.0:
+        return low, high
+    return max(low, SMALLEST * travel), max(min(high, LARGEST * travel), 2.0 * low)
+
+
+def _starts(bank: Bank) -> list[Innovations]:
+    """Return the likeliest trials whose jumps differ: the likelihood of a stem has more than one peak."""
+    found: list[Innovations] = []
+    for trial in sorted(bank.trials, key=_nll):
+        share = _share(trial)
+        if len(found) < STARTS and all(abs(_share(one) - share) > APART for one in found):
+            found.append(trial)
+    return found
+
+
+def _share(trial: Innovations) -> float:
+    """Return how much of its band a stem jumps."""
+    band, *jump = (trial.values[name] for name in trial.hypothesis.own)
+    return jump[0] / band if jump else 0.0
+
+
+def _refined(bank: Bank, start: Innovations) -> Innovations:
+    """Return the likeliest of sizes near a start, step by step."""
+    best = bank.tried(_sizes(start), start.hypothesis) or start
+    for step in STEPS:
+        best = _nearby(bank, best, step)
+    if isinstance(bank.one.effect, Stiction) and best.values.get("J", 0.0) > 0.0:
+        other = _other_law(best.hypothesis)
+        ahead = bank.tried(_sizes(best), other)
+        if ahead is not None and ahead.nll < best.nll:
+            best = ahead
+    return best
+
+
+def _nearby(bank: Bank, best: Innovations, step: float) -> Innovations:
+    """Return the likeliest of sizes near the best: where a stem breaks away, and where it stops, both ways."""
+    for k in range(len(bank.one.own)):
+        for way in (1.0 - step, 1.0 + step):
+            ahead = bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
+            if ahead is not None and ahead.nll < best.nll:
+                best = ahead
+    return best
+
+
+def _moved(size: dict[str, float], k: int, way: float) -> dict[str, float]:
+    """Return sizes of which the band, or of a stem that jumps one of the bands f_s and f_c, is changed by a factor."""
+    if "J" not in size:
+        return {name: value * way for name, value in size.items()}
+    f_s, f_c = 0.5 * (size["S"] + size["J"]), 0.5 * (size["S"] - size["J"])
+    f_s, f_c = (f_s * way, f_c) if k == 0 else (f_s, f_c * way)
+    return {"S": f_s + f_c, "J": max(f_s - f_c, 0.0)}
+
+
+def _other_law(one: Hypothesis) -> Hypothesis:
+    """Return the stem that slides on behind a held OP in place of one that sticks anew, or the other way round."""
+    law = Stiction() if isinstance(one.effect, RestingStiction) else RestingStiction()
+    return replace(one, effect=law)
+
+
+def _sizes(found: Innovations) -> dict[str, float]:
+    return {name: found.values[name] for name in found.hypothesis.own}
+
+
+def _ideal(null: Fit, one: Hypothesis) -> Floats | None:
+    """Return where the stem would be that goes where OP sends it, at each stop."""
+    try:
+        near = null.hypothesis.filtered(null.best.values, joined=True)
+        low, _ = _range(one)
+        size = {one.own[0]: NEARLY_NONE * low, **dict.fromkeys(one.own[1:], 0.0)}
+        return left_by_bank(one, {**null.best.values, **size}, near, 1).stem
+    except ArithmeticError:
+        return None
+
+
+def _known(one: Hypothesis, path: Floats | None) -> Hypothesis:
+    """Return the hypothesis that the stem went a path."""
+    assert path is not None
+    times, _ = one.frame.stops
+    return Hypothesis(one.frame, KnownStem(times, path, "previous" if one.frame.scanned else "linear"), one.place)
+
+
+def _with_path(one: Hypothesis, shared: dict[str, float], path: Floats | None, members: int = MEMBERS) -> Bank | None:
+    """Return a bank whose gains are those of a filter that knows the path of the stem."""
+    try:
+        return Bank(one, shared, _known(one, path).filtered(shared, joined=True), members)
+    except ArithmeticError:
+        return None
 
 
 def _nll(found: Innovations) -> float:

@@ -41,6 +41,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Valve stems: OP to MV": {
         "StickSlip": STEM, "StribeckStem": "Olsson 1998", "LuGreStem": "Canudas de Wit 1995", "QuasiStaticStem": STEM,
+        "RestingStem": "He 2007",
         "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
         "HeValve": "He 2007", "ChenValve": "Chen 2008", "StenmanValve": "Stenman 2003",
         "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK, "Positioner": "Merritt 1967",

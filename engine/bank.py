@@ -1,0 +1,173 @@
+"""A bank of runs, for hypotheses that hide a mode: whether a stem sticks or slides, no row of a log shows.
+
+Each member has a mode of its own and, given that, a mean of its own; the gains of a filter without the hidden mode are
+those of all.  Between rows a member has a second run, with noise drawn, which says what its mode does; the mean takes
+the mode over, but not the noise, whose spread is in the gains already.  At a row
+
+    e_j = (y - y_j) / sqrt(S)       log p = log sum_j w_j exp(-loss(e_j)) - log(S)/2        w_j <- w_j exp(-loss(e_j))
+
+and the stretch before is run again with what the row says of the state and of the noise, so that the mode follows what
+was logged.  Rounding is undone by a number drawn for each member.  Members of little weight leave for copies of others.
+Source: Rao-Blackwellised particle filter, Doucet, de Freitas, Murphy and Russell (UAI 2000); systematic resampling:
+Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
+from stickslip.engine.slopes import arrived
+
+ALONE = 0.5  # share of the members that have to count, or they are drawn anew
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def banked(  # type: ignore[no-untyped-def]
+    I, W, buffer, kept, saved, places, shown, noisy, hidden, times, row_of, phi, sd, values, steps, gains, S, far, z0,
+    drawn, dither, shares, losses, e, stood, came,
+):  # fmt: skip
+    """Follow a bank of members; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
+
+    ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter without it
+    (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (m,) of the log's rounding; ``far``
+    standard deviations beyond which a loss grows in proportion; ``drawn`` (k, members, q) standard normal numbers,
+    ``dither`` (rows, members, m) and ``shares`` (rows,) uniform ones.
+
+    Written too are where the hidden block ``stood`` at each stop (k, members), by the first state that is its own, and
+    of which member each ``came`` behind a row (rows, members).  Returned is a status.
+    """
+    n, m, q, members, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
+    no_rows = np.empty((1, 0))
+    mean_I, mean_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
+    next_I, next_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
+    noisy_I, noisy_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
+    z, ahead = np.empty((members, n)), np.empty((members, n))
+    for j in range(members):
+        mean_I[j], mean_W[j] = I[:kept], W[:saved]
+        noisy_I[j], noisy_W[j] = I[:kept], W[:saved]
+        z[j] = z0
+    y, back, aside = np.empty(m), np.empty(n + q), np.empty(n + q)
+    kept_mode, theirs, theirs_at = np.empty(h), np.empty(n), np.empty(members)
+    weight, before, loss, off = np.zeros(members), np.empty(members), np.empty(members), np.empty((members, m))
+    own = np.zeros(n, dtype=np.bool_)
+    for i in range(n):
+        for p in range(h):
+            own[i] = own[i] or places[0, i] == hidden[p]
+    first = np.argmax(own)
+    for k in range(len(times)):
+        row = row_of[k]
+        for j in range(members):
+            if row < 0:
+                restore(I, W, noisy_I[j], noisy_W[j])
+                status = arrive(I, W, buffer, no_rows, times[k])
+                if status != 0:
+                    return status
+                for i in range(q):
+                    W[noisy[i]] = W[noisy[i]] * phi[k, i] + sd[k, i] * drawn[k, j, i]
+                status = pass_instant(I, W, buffer, no_rows)
+                if status != 0:
+                    return status
+                noisy_I[j], noisy_W[j] = I[:kept], W[:saved]
+                read(W, places[1], theirs)
+                for p in range(h):
+                    kept_mode[p] = W[hidden[p]]
+            restore(I, W, mean_I[j], mean_W[j])
+            put(I, W, places[0], z[j])
+            status = arrive(I, W, buffer, no_rows, times[k])
+            if status != 0:
+                return status
+            for i in range(q):
+                W[noisy[i]] *= phi[k, i]
+            status = pass_instant(I, W, buffer, no_rows)
+            if status != 0:
+                return status
+            read(W, places[1], ahead[j])
+            if row < 0:
+                stood[k, j] = theirs[first]
+                for p in range(h):
+                    W[hidden[p]] = kept_mode[p]
+                for i in range(n):
+                    if own[i]:
+                        ahead[j, i] = theirs[i]
+                z[j] = ahead[j]
+                put(I, W, places[0], z[j])
+                mean_I[j], mean_W[j] = I[:kept], W[:saved]
+                continue
+            read(W, shown, y)
+            back[:n], back[n:], aside[:] = z[j], 0.0, 0.0
+            loss[j] = 0.0
+            for i in range(m):
+                if S[row, i] != S[row, i]:
+                    off[j, i] = math.nan
+                    continue
+                off[j, i] = values[row, i] - y[i]
+                size = abs(off[j, i]) / math.sqrt(S[row, i])
+                less = min(size, far)
+                loss[j] += 0.5 * less * less + far * (size - less)
+                by = (dither[row, j, i] - 0.5) * steps[i]
+                for p in range(m):
+                    y[p] += gains[row, n + p, i] * off[j, i]
+                for p in range(n + q):
+                    back[p] += gains[row, n + m + p, i] * off[j, i]
+                    aside[p] += gains[row, n + m + p, i] * by
+            for p in range(n + q):
+                aside[p] += back[p]
+            status = arrived(I, W, buffer, mean_I[j], mean_W[j], places, noisy, times[k], phi[k], aside[:n], aside[n:])
+            if status != 0:
+                return status
+            read(W, places[1], theirs)
+            for p in range(h):
+                kept_mode[p] = W[hidden[p]]
+            status = arrived(I, W, buffer, mean_I[j], mean_W[j], places, noisy, times[k], phi[k], back[:n], back[n:])
+            if status != 0:
+                return status
+            read(W, places[1], z[j])
+            theirs_at[j] = theirs[first]
+            for p in range(h):
+                W[hidden[p]] = kept_mode[p]
+            for i in range(n):
+                if own[i]:
+                    z[j, i] = theirs[i]
+            put(I, W, places[0], z[j])
+            next_I[j], next_W[j] = I[:kept], W[:saved]
+        if row < 0:
+            continue
+        top = -np.inf
+        for j in range(members):
+            before[j] = math.exp(weight[j]) / members
+            weight[j] -= loss[j]
+            top = max(top, weight[j])
+        total = 0.0
+        for j in range(members):
+            weight[j] = math.exp(weight[j] - top)
+            total += weight[j]
+        losses[row] = -(top + math.log(total / members))
+        squares = 0.0
+        for j in range(members):
+            weight[j] /= total
+            squares += weight[j] ** 2
+        for i in range(m):
+            if S[row, i] == S[row, i]:
+                s = 0.0
+                for j in range(members):
+                    s += before[j] * off[j, i]
+                e[row, i] = s / math.sqrt(S[row, i])
+                losses[row] += 0.5 * math.log(S[row, i])
+        anew = 1.0 / squares < ALONE * members
+        j, reached = 0, weight[0]
+        for p in range(members):
+            if anew:
+                while reached < (p + shares[row]) / members and j < members - 1:
+                    j += 1
+                    reached += weight[j]
+            else:
+                j = p
+            came[row, p], stood[k, p] = j, theirs_at[j]
+            ahead[p] = z[j]
+            mean_I[p], mean_W[p] = next_I[j], next_W[j]
+            noisy_I[p], noisy_W[p] = next_I[j], next_W[j]
+        z[:] = ahead
+        for p in range(members):
+            weight[p] = 0.0 if anew else math.log(max(weight[p] * members, 1e-300))
+    return 0

@@ -1,0 +1,38 @@
+"""A valve whose stem is known: what it gives is played from a path, whatever OP does.
+
+Given the path nothing hidden is left, so that a filter is exact as far as the rest is linear: its gains are those that
+a bank of stems shares, and noise, loads and tolerances can be fitted.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close
+from stickslip.gap.insertion.effect import Effect
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class KnownStem(Effect):
+    """A stem that goes through ``values`` at the times ``t`` [s], held or in lines between them (``hold``)."""
+
+    t: Floats
+    values: Floats
+    hold: str = "previous"
+
+    name = "known_stem"
+    role = Role.VALVE
+    parameters = ()
+
+    def put(self, diagram: Diagram, place: str) -> Diagram:
+        """Return the diagram with the stem."""
+        signal, given = str(diagram[place].output_labels[0]), f"{self.block(place)}:given"
+        stem = Sum(signal, {signal: 0.0, given: 1.0}, name=self.block(place))
+        played = Recorded(given, self.t, self.values, hold=self.hold, name=given)
+        return close(diagram.insert(signal, stem, inputs=[given]), {given: played})

@@ -1,0 +1,31 @@
+"""Fits in all rows of a record: values and the instants at which inputs switch, in turn."""
+
+from dataclasses import replace
+
+from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.switches import with_switches
+
+FIRST = 2  # rounds of a first fit
+SETTLING = 4  # times that a fit and the switches of its inputs follow each other
+
+
+def settled(fit: Fit) -> Fit:
+    """Return a fit in all rows, its inputs switching when that suits it."""
+    one = fit.hypothesis
+    start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
+    if start is None:
+        return fit
+    for _ in range(SETTLING):
+        start = with_switches(start)
+        fit = refined(start, free_names(one), FIRST)
+        if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
+            break
+        start = fit.best
+    return fit
+
+
+def free_names(one: Hypothesis) -> tuple[str, ...]:
+    """Return the parameters that a fit varies: those of the effect that have a slope, and all that is free."""
+    own = tuple(p.name for p in one.effect.parameters if p.smooth) if one.effect else ()
+    return (*own, *one.frame.free)
