@@ -85,7 +85,7 @@ TRIALS: dict[str, Trial] = {
     "StribeckStem": Trial("StribeckStem(start=0.5)"),
     "LuGreStem": Trial("LuGreStem(start=0.5)"),
     "QuasiStaticStem": Trial("QuasiStaticStem(start=0.5)", around=STICKY_LOOP),
-    "RestingStem": Trial("RestingStem(start=0.5)", around=STICKY_LOOP),
+    "RestingStem": Trial("RestingStem(start=0.5)"),
     "KanoValve": Trial("KanoValve(0.06, 0.02, 0.5, start=0.5)"),
     "ChoudhuryValve": Trial("ChoudhuryValve(0.06, 0.02, 0.5, start=0.5)"),
     "ChenValve": Trial("ChenValve(0.06, 0.02, 0.5, start=0.5)"),

@@ -13,7 +13,7 @@ insertion      how an effect gets into a diagram         explanations  one effec
 floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
 linearised     residuals of diagrams too large to replay between rows
 filters        diagnosis by a Kalman filter, where loads are not measured and the loop is linear between scans
-likelihood     one likelihood for any diagram, which will replace the rest; ``diagnose`` does not use it yet
+likelihood     one likelihood for loops that have no such filter; a bank follows stems that stick
 calibrating    how often names are right, on runs with known effects
 """
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import series
 from stickslip.remedy.leaving import Cost, cost_between
 from stickslip.remedy.loop_fit import LoopFit, Size, size_of, widened
@@ -74,8 +75,8 @@ class Tried:
         }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Advice:
+@dataclass(frozen=True, eq=False, repr=False)
+class Advice(Shown):
     """What helps a loop: ``none``, each remedy ``tried``, the names recommended until and at the shutdown, or None."""
 
     fit: LoopFit
@@ -92,6 +93,11 @@ class Advice:
         """What it costs to leave the stick."""
         free = next((one.outcome for one in self.tried if one.name == "valve repaired"), self.none.outcome)
         return cost_between(self.none.outcome, free)
+
+    @property
+    def headline(self) -> str:
+        """What is recommended, in one line."""
+        return " ".join(self.words())
 
     def words(self) -> list[str]:
         """The recommendation in sentences."""

@@ -56,12 +56,13 @@ class Controller:
         return f"P{'I' if math.isfinite(self.T_i) else ''}{'D' if self.T_d > 0.0 else ''}"
 
     def spread(self, key: str) -> tuple[float, float]:
-        """The 90 % interval of K_p or T_i."""
+        """The 90 % interval of K_p or T_i, whose upper end is infinite for a law without an integral."""
         if key == "K_p":
             return self.K_p - 1.645 * self.K_p_sd, self.K_p + 1.645 * self.K_p_sd
         rate = abs(self.K_p) / self.T_i
         most, least = rate + 1.645 * self.rate_sd, max(rate - 1.645 * self.rate_sd, 1e-9 * rate)
-        return abs(self.K_p) / most, abs(self.K_p) / least
+        low, high = (abs(self.K_p) / one if one > 0.0 else math.inf for one in (most, least))
+        return low, high
 
 
 def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import Controller
 from stickslip.remedy.process import Day, Found, Loop
 
@@ -66,8 +67,8 @@ def size_of(values: Floats, reason: str = "") -> Size:
     return Size(None if reason else middle, low, high, reason)
 
 
-@dataclass(frozen=True, eq=False)
-class LoopFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopFit(Shown):
     """A fitted loop.
 
     name : of the loop;  op_unit, pv_unit : units;  controller : the law of OP
@@ -234,6 +235,13 @@ class LoopFit:
             "one_step_error": self.one_step_error, "free_error": self.free_error,
             "records": len(self.days), "notes": list(self.notes),
         }  # fmt: skip
+
+    @property
+    def headline(self) -> str:
+        """What was fitted, in one line."""
+        valve = f"sticks, S = {self.S} {self.op_unit}" if self.sticks else "does not stick"
+        kind = "an integrating process" if self.best.integrating else "a process that settles"
+        return f"{self.name or 'loop'}: the valve {valve}; {self.controller.form} controller, {kind}"
 
     def rows(self) -> list[list[str]]:
         """What is known, as rows of a table: what, value with its 90 % interval, unit."""

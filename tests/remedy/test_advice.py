@@ -32,6 +32,12 @@ def advice(found):
     return remedies(found)
 
 
+def test_results_have_one_line_and_a_picture(found, advice):
+    for result in (found, advice):
+        assert "\n" not in repr(result) and len(repr(result)) < 300
+        assert "data:image/png" in result._repr_html_()
+
+
 def test_the_fit_has_found_what_made_the_record(found):
     assert found.sticks and found.gain > 50.0
     assert found.controller.K_p == pytest.approx(0.8, rel=1e-3)

@@ -84,3 +84,10 @@ def test_what_follows_nothing_is_told_so():
     rng = np.random.default_rng(3)
     found = controller_of(rng.normal(size=500).cumsum(), rng.normal(size=500).cumsum(), np.zeros(500), 1.0, FREE)
     assert found.told < 0.1
+
+
+def test_a_law_that_proportional_action_tells_whole_has_no_integral_time():
+    e = np.random.default_rng(7).normal(size=300)
+    found = controller_of(0.5 * e, -e, np.zeros(300), 1.0, FREE)
+    assert found.form == "P"
+    assert found.spread("T_i")[1] == math.inf  # it is not known to end
