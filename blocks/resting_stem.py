@@ -12,8 +12,8 @@ low, high  end stops [fraction of travel]; -inf and inf lift them
 
 It differs from ``quasi_static_stem`` behind a held OP only.  That one slides on at the next scan without a new jump;
 this one has to break away again, so that it moves in jumps of at least J.  So does a stem with mass that comes to rest
-between scans (``stick_slip``), and so do those of He and Kano.  For J = 0 both are the same.  A jump of OP ends at rest,
-whatever OP does behind it.
+between scans (``stick_slip``), and so do those of He and Kano.  For J = 0 both are the same.
+A jump of OP ends at rest, whatever OP does behind it.
 Source: He, Wang, Pottmann and Qin, Ind. Eng. Chem. Res. 46 (2007) 4549-4560, for an OP that is held.
 See also: he_valve (the same, sampled at a period of its own).
 """
