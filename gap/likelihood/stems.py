@@ -1,6 +1,6 @@
 """A stem that plays or sticks, fitted by a bank of stems, each with a path of its own, given which the rest is linear.
 
-    1. gains: a filter in which the stem goes where OP sends it; later, where the likeliest member went
+    1. gains: a filter in which the stem goes where OP sends it; later, where the likeliest stem went
     2. sizes: a grid, then near the likeliest of it; where controllers scan, by two laws of rest
     3. noise, loads and tolerances: fitted with the likeliest path as known; then gains and sizes again
 
@@ -31,7 +31,7 @@ SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 2, 0.14  # places from which sizes are searched, and by how much their J/S differ at least
 STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
-FEW, MEMBERS, LAST_MEMBERS = 6, 12, 24  # of a bank while sizes are looked for, searched, and at the end
+FEW, STEMS, MOST_STEMS = 6, 12, 24  # of a bank while sizes are looked for, searched, and at the end
 ROUNDS = 2  # of a fit of noise and loads
 AGAIN = 4  # sizes that are asked again in all rows
 ASIDE = 0.1  # share by which sizes are changed to see how sure they are
@@ -52,7 +52,7 @@ class Bank:
     one: Hypothesis
     shared: dict[str, float]
     near: Innovations
-    members: int = MEMBERS
+    count: int = STEMS
     trials: list[Innovations] = field(default_factory=list)
 
     def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
@@ -62,7 +62,7 @@ class Bank:
         if one.effect.rules(one.frame.model, one.place, size):
             return None
         try:
-            found = left_by_bank(one, {**self.shared, **size}, self.near, self.members)
+            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count)
         except ArithmeticError:
             return None
         if not math.isfinite(found.nll):
@@ -85,7 +85,7 @@ def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None) -> Fit |
         return None
     for size in _bands(one) if without is None else _jumps(without):
         bank.tried(size)
-    bank.members = MEMBERS
+    bank.count = STEMS
     best = min((_refined(bank, start) for start in _starts(bank)), key=_nll, default=None)
     if best is None:
         return None
@@ -147,16 +147,16 @@ def _finished(bank: Bank, known: Fit) -> Fit:
     names, sure = _certainty(last, mine)
     rows = known.slopes.shape[1:] if len(known.slopes) else last.e.shape
     slopes = np.concatenate([np.zeros((len(names), *rows)), known.slopes.reshape(-1, *rows)])
-    I = np.zeros((len(names) + len(known.names),) * 2)
-    I[: len(names), : len(names)], I[len(names) :, len(names) :] = np.diag(sure), known.I
-    return StemFit(last, (*names, *known.names), I, slopes, tuple(mine))
+    information = np.zeros((len(names) + len(known.names),) * 2)
+    information[: len(names), : len(names)], information[len(names) :, len(names) :] = np.diag(sure), known.I
+    return StemFit(last, (*names, *known.names), information, slopes, tuple(mine))
 
 
 def _last(bank: Bank) -> Innovations:
-    """Return the likeliest trial of a bank, asked again with more members."""
+    """Return the likeliest trial of a bank, asked again with more stems."""
     best = bank.best()
     assert best is not None
-    bank.members = LAST_MEMBERS
+    bank.count = MOST_STEMS
     return bank.tried(_sizes(best), best.hypothesis) or best
 
 
@@ -268,10 +268,10 @@ def _known(one: Hypothesis, path: Floats | None) -> Hypothesis:
     return Hypothesis(one.frame, KnownStem(times, path, "previous" if one.frame.scanned else "linear"), one.place)
 
 
-def _with_path(one: Hypothesis, shared: dict[str, float], path: Floats | None, members: int = MEMBERS) -> Bank | None:
+def _with_path(one: Hypothesis, shared: dict[str, float], path: Floats | None, count: int = STEMS) -> Bank | None:
     """Return a bank whose gains are those of a filter that knows the path of the stem."""
     try:
-        return Bank(one, shared, _known(one, path).filtered(shared, joined=True), members)
+        return Bank(one, shared, _known(one, path).filtered(shared, joined=True), count)
     except ArithmeticError:
         return None
 
