@@ -1,13 +1,14 @@
 """A bank of runs, for hypotheses that hide a mode: whether a stem sticks or slides, no row of a log shows.
 
-Each particle has a mode of its own and, given that, a mean of its own; the gains of a filter without the hidden mode are
+Each particle has a mode of its own and, given that, a mean of its own; the gains of a filter that knows the mode are
 those of all.  Between rows a particle has a second run, with noise drawn, which says what its mode does; the mean takes
 the mode over, but not the noise, whose spread is in the gains already.  At a row
 
     e_j = (y - y_j) / sqrt(S)       log p = log sum_j w_j exp(-loss(e_j)) - log(S)/2        w_j <- w_j exp(-loss(e_j))
 
 and the stretch before is run again with what the row says of the state and of the noise, so that the mode follows what
-was logged.  Rounding is undone by a number drawn for each particle.  Members of little weight leave for copies of others.
+was logged.  Rounding is undone by a number drawn for each particle.  Particles of little weight leave for copies of
+others.
 Source: Rao-Blackwellised particle filter, Doucet, de Freitas, Murphy and Russell (UAI 2000); systematic resampling:
 Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 """
@@ -29,13 +30,13 @@ def banked(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Follow a bank of particles; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
 
-    ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter without it
+    ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter that knows it
     (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (m,) of the log's rounding; ``far``
     standard deviations beyond which a loss grows in proportion; ``drawn`` (k, particles, q) standard normal numbers,
     ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform ones.
 
-    Written too are where the hidden block ``stood`` at each stop (k, particles), by the first state that is its own, and
-    of which particle each ``came`` behind a row (rows, particles).  Returned is a status.
+    Written too are where the hidden block ``stood`` at each stop (k, particles), by the first state that is its own,
+    and of which particle each ``came`` behind a row (rows, particles).  Returned is a status.
     """
     n, m, q, particles, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
     no_rows = np.empty((1, 0))

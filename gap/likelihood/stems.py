@@ -26,12 +26,12 @@ Floats = NDArray[np.float64]
 BETWEEN = 3  # draws of a noise from row to row, at most
 SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
-ABOUT = (0.92, 0.96, 1.0, 1.04, 1.08)  # the band that stands for a jump, over S - J/2
+ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
 SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 2, 0.14  # places from which sizes are searched, and by how much their J/S differ at least
 STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
-FEW, STEMS, MOST_STEMS = 6, 12, 24  # of a bank while sizes are looked for, searched, and at the end
+FEW, STEMS, MOST_STEMS = 4, 12, 24  # of a bank while sizes are looked for, searched, and at the end
 ROUNDS = 2  # of a fit of noise and loads
 AGAIN = 4  # sizes that are asked again in all rows
 ASIDE = 0.1  # share by which sizes are changed to see how sure they are
@@ -228,6 +228,7 @@ def _nearby(bank: Bank, best: Innovations, step: float) -> Innovations:
             ahead = bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
             if ahead is not None and ahead.nll < best.nll:
                 best = ahead
+                break
     return best
 
 
