@@ -23,7 +23,7 @@ from stickslip.gap.likelihood.known_stem import KnownStem
 from stickslip.gap.likelihood.switches import with_switches
 
 Floats = NDArray[np.float64]
-BETWEEN = 6  # draws of a noise from row to row, at most; noise held over two scans is another one, 250 nats off once
+BETWEEN = 10  # draws of a noise from row to row, at most; one held over two scans is another, 250 nats off once
 SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
 ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
