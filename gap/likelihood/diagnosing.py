@@ -34,7 +34,7 @@ from stickslip.gap.records.start import start_values
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
-STEMS = 8.0  # nats to which a bank of stems is sure: the same sizes with gains of other paths differed by as much
+STEM_TIE = 8.0  # nats to which a bank of stems is sure: the same sizes with gains of other paths differed by as much
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer of their own
 
 
@@ -121,7 +121,9 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
 def _not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:
     """Return the first fit, and those that the record does not tell from it, the likeliest first."""
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
-    near = [fit for fit in fits if price(fit) <= price(fits[0]) + STEMS and _nested(fit, fits[0]) and fit not in same]
+    near = [
+        fit for fit in fits if price(fit) <= price(fits[0]) + STEM_TIE and _nested(fit, fits[0]) and fit not in same
+    ]
     return [*same, *near]
 
 

@@ -272,8 +272,8 @@ class Innovations:
     add to the mean at each stop (see ``extended``); ``shown`` what its mean showed at each row before the row set it
     right, and the ``path`` that it took.
 
-    Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where the ``stem`` of one
-    likely member stood at each stop.
+    Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where one likely
+    ``stem`` stood at each stop.
     """
 
     hypothesis: Hypothesis

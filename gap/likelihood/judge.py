@@ -52,7 +52,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
             for c in others if c.looked.hypothesis.effect is not None]  # fmt: skip
     directions = _apart(fit, away)
     one, f = fit.hypothesis, fit.hypothesis.frame
-    mine = _left(fit, one)
+    mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
     name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
     usual = []
     runs = RUNS_OF_BANK if one.hides else RUNS
@@ -71,7 +71,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
-    """Return what a record, or a run, leaves with the values of a fit: a bank of few members where a stem is hidden."""
+    """Return what a record, or a run, leaves with the values of a fit: a bank where a stem is hidden."""
     values = fit.best.values
     if not run.hides:
         return tried(run, values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
