@@ -3,9 +3,10 @@
 Each figure is normal with mean 0 and standard deviation 1 if the explanation is right; the largest decides.
 """
 
+from typing import Any, Protocol
+
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.filters.filtering import Filtered
 
 Floats = NDArray[np.float64]
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)
@@ -16,7 +17,19 @@ SLOWEST = 40  # of the record's frequencies that are looked at one by one
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
 
 
-def checks(one: Filtered) -> dict[str, float]:
+class Left(Protocol):
+    """What an explanation leaves: its innovations that count, (rows, signals)."""
+
+    @property
+    def explanation(self) -> Any:
+        """What is explained how."""
+
+    @property
+    def judged(self) -> Floats:
+        """The innovations."""
+
+
+def checks(one: Left) -> dict[str, float]:
     """Return name -> figure, each of mean 0 and standard deviation 1 if the explanation is right."""
     f = one.explanation.filtering
     e = one.judged
@@ -57,7 +70,7 @@ def checks(one: Filtered) -> dict[str, float]:
     return found
 
 
-def known_of(one: Filtered) -> dict[str, Floats]:
+def known_of(one: Left) -> dict[str, Floats]:
     """Return what innovations should not go with, by name, (rows,) with mean 0."""
     f = one.explanation.filtering
     log, first = f.record.log, f.skipped

@@ -8,18 +8,17 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.scores import gross
 from stickslip.gap.likelihood.search import (
-    Candidate,
-    candidates,
     fitted,
     free_parameters,
-    gross,
     legal,
     model_alone,
     price,
@@ -42,7 +41,7 @@ MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer 
 class Outcome:
     """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
     likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
-    that the record does not tell apart, none where none is enough; ``looked`` all candidates; ``share`` by
+    that the record does not tell apart, none where none is enough; ``share`` by
     which the first fit moves the signals.
     """
 
@@ -52,7 +51,6 @@ class Outcome:
     best: Verdict | None
     gap: bool
     named: Sequence[Fit]
-    looked: Sequence[Candidate]
     share: float = 1.0
 
 
@@ -84,10 +82,9 @@ def when_switched(frame: Frame) -> Frame:
     return now.hypothesis.frame
 
 
-def worth(one: Candidate) -> float:
-    """Return what an effect promises beyond what its parameters cost [nats]."""
-    count, rows = free_parameters(one.looked), float(np.isfinite(one.looked.judged).sum())
-    return one.gain - schwarz(count, rows)
+def worth(one: Candidate, rows: float) -> float:
+    """Return what an effect promises beyond what its parameters cost [nats], in a record of so many values."""
+    return one.gain - schwarz(free_parameters(one), rows)
 
 
 def needed(found: Sequence[Candidate]) -> float:
@@ -99,23 +96,26 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     """Return what explains a record."""
     frame = when_switched(frame)
     rough = model_alone(replace(frame, apart=True))
-    found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
     alone = judged(null, [], seed)
-    calm = not alone.unusual and not gross(rough) and all(worth(c) + ROUGHLY < needed(found) for c in found)
+    far, possible = alone.unusual or gross(rough), legal(rough, catalogue)
+    found = by_race(null, rough, possible, progress) if far else by_score(rough, possible, progress)
+    values = float(np.isfinite(rough.best.judged).sum())
+    calm = not far and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
     # scores say little of what hides a mode
-    fits = fitted(rough, [c for c in found if c.looked.hypothesis.hides] if calm else found, progress)
+    chosen = [c for c in found if c.hypothesis.hides] if calm else found
+    fits = fitted(null if far else rough, chosen, far, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
-        return Outcome(null, alone, fits, None, gap, (), found)
+        return Outcome(null, alone, fits, None, gap, ())
     mine = fits[0].hypothesis
-    beside = [c for c in found if (c.looked.hypothesis.effect, c.looked.hypothesis.place) != (mine.effect, mine.place)]
+    beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if gross(rough) else beside, seed)  # far from the log no direction is right
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
-        return Outcome(null, alone, fits, None, False, (), found, share)
-    return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else (), found)
+        return Outcome(null, alone, fits, None, False, (), share)
+    return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else ())
 
 
 def _not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:

@@ -5,7 +5,7 @@
 
 d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, unless 0 is neutral: then the
 size in the middle of that range; else the size in its range.  Slopes in noise come from the filter's own slopes, those
-in anything else from runs with the filter's gains: neither needs a new filter.
+in tolerances from runs with the filter's gains: neither needs a new filter, as the size of an effect does.
 """
 
 import math
@@ -134,7 +134,9 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
         if name in one.noise_keys:
             probe = one.noisier(now, changed)
         else:
-            found = tried(one, {**now.values, **changed}, now) or tried(one, {**now.values, **changed})
+            # an effect changes gains, which counts as long as innovations are large
+            near = None if name in one.own else now
+            found = tried(one, {**now.values, **changed}, near) or tried(one, {**now.values, **changed})
             if found is None:
                 continue
             probe = found

@@ -42,8 +42,8 @@ class Hypothesis:
     @cached_property
     def prepared(self) -> Prepared:
         """The changed model ready for the filter."""
-        late = max((high for name, (_, high) in self.bounds.items() if name == "theta"), default=0.0)
-        return prepared(self.changed, self.frame.record, self.frame.scan, late)
+        longest = self.settings({name: high for name, (_, high) in self.bounds.items()})
+        return prepared(self.changed, self.frame.record, self.frame.scan, longest)
 
     @property
     def hides(self) -> bool:
@@ -138,6 +138,10 @@ class Hypothesis:
         other = replace(self, frame=frame)
         other.__dict__["prepared"] = self.prepared
         return other
+
+    def of_rows(self, frame: Frame) -> "Hypothesis":
+        """Return the same hypothesis of other rows."""
+        return replace(self, frame=frame)
 
     def model(self, values: Mapping[str, float]) -> Diagram:
         """Return the diagram, with its nuisances, that these values stand for."""

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
-from stickslip.gap.likelihood.search import Candidate, basis, trusted
+from stickslip.gap.likelihood.scores import basis, trusted
 from stickslip.gap.likelihood.stems import STEMS
 
 Floats = NDArray[np.float64]
@@ -48,8 +49,8 @@ class Verdict:
 
 def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not."""
-    away = [(f"a little of {c.looked.hypothesis.effect.name} at {c.looked.hypothesis.place}", c.direction)
-            for c in others if c.looked.hypothesis.effect is not None]  # fmt: skip
+    away = [(f"a little of {c.hypothesis.effect.name} at {c.hypothesis.place}", c.direction)
+            for c in others if c.hypothesis.effect is not None and c.direction is not None]  # fmt: skip
     directions = _apart(fit, away)
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
@@ -105,7 +106,7 @@ def figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> int:
 
 
 def _figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> dict[str, float]:
-    found = checks(fit.best)  # type: ignore[arg-type]
+    found = checks(fit.best)
     calm = np.nan_to_num(fit.best.e) * trusted(fit)
     return found | {name: float(np.sum(calm * d)) for name, d in directions}
 

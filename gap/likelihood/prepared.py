@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,10 +87,12 @@ class Prepared:
         return I, W
 
 
-def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) -> Prepared:
+def prepared(
+    model: Diagram, record: Record, scan: float, longest: Mapping[str, float] = MappingProxyType({})
+) -> Prepared:
     """Return a model, with its nuisances, ready for a filter of a record.
 
-    ``scan`` [s] of its controllers; ``longest`` [s] that a dead time may become, at least twice what it is.
+    ``scan`` [s] of its controllers; ``longest`` block.parameter -> the largest that a dead time [s] may become.
     """
     quiet = silenced(model)
     noise: list[tuple[Nuisance, str]] = []
@@ -103,15 +106,16 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
         noise.append((one, holder))
     late: dict[str, str] = {}
     for block in list(quiet.blocks):
-        if block.dead_time_param and block.dead_time > 0.0:
-            theta = block.dead_time
-            most = max(2.0 * theta, min(longest, TAPS * scan))
+        key = f"{block.name}.{block.dead_time_param}"
+        theta = block.dead_time if block.dead_time_param else 0.0
+        most = max(2.0 * theta, min(longest.get(key, 0.0), TAPS * scan))
+        if most > 0.0:
             dt = scan * max(1, math.ceil(most / scan / TAPS))
-            quiet = quiet.with_params({f"{block.name}.{block.dead_time_param}": 0.0})
+            quiet = quiet.with_params({key: 0.0})
             for j, s in enumerate(block.input_labels):
                 new = Late(theta, dt=dt, longest=most, start=block.value_before, name=f"{block.name}:late{j}")
                 quiet = quiet.insert(str(s), new, readers=block.name)
-                late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
+                late[key] = f"{new.name}.theta"
     given = {s: record.source(s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
     tied = wire([*quiet.blocks, Sum(TIED, dict.fromkeys(record.pinned, 1.0), name=TIED)], outputs=[TIED])

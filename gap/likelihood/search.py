@@ -1,26 +1,19 @@
-"""Which effect explains a record: every effect at every place by its score, the likeliest by a fit of their own.
-
-    gain of a size  =  (e . d)^2 / (2 |d|^2)       d: what the size changes in the innovations, less its projection on
-                                                   what the free parameters of the model change
-
-The score is that of the model's own filter, so each size costs one run.  The effects of the highest scores get filters
-of their own and are fitted with all that is free in the model.
-"""
+"""Which effect explains a record: the likeliest candidates get filters of their own, and all that is free is fitted."""
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.filters.checks import checks
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.fit import Fit, coordinate, refined, tried, value
+from stickslip.gap.likelihood.candidates import Candidate
+from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.frame import Frame
-from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.settling import FIRST, free_names, settled
-from stickslip.gap.likelihood.sizes import sizes
 from stickslip.gap.likelihood.stems import fitted_stem, resting, settled_stem
 
 Floats = NDArray[np.float64]
@@ -31,23 +24,9 @@ LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted
 BAND_NATS, BAND_SHARE = 3.0, 0.25  # that a play has to gain, or of the best gain, before a jump is looked for
 APPROACH = 4  # rounds of a fit with the gains of the model before it
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
-CLOSE = 1.0  # nats of scores between which the likelier size counts
-WALKED, STEP = 8, 0.25  # steps towards the likeliest size, and the first of a coordinate, where no slope shows it
-SECANTS = 3  # from neutral to a first size, each nearer to the likeliest
-AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
-GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
-CALM = 4.0  # standard deviations from which on innovations count less
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """The best first size of an effect: ``looked`` with the gains of the model, the ``gain`` of its score [nats], and
-    the ``direction`` of what it changes, (rows, signals), of unit length.
-    """
-
-    looked: Innovations
-    gain: float
-    direction: Floats
+SLOWER = 0.3  # of the best gain in a race, that an effect has to have to be fitted
+LAG_SHARE = 0.02  # of the best gain, by which a first fit may lag behind as well, where a race was needed
+CLEAN, REACH = 4.5, 0.3  # largest check of such a fit, and the share of its gain that a stem has to have at first
 
 
 def model_alone(frame: Frame) -> Fit:
@@ -84,51 +63,48 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
-    """Return the best first size of every hypothesis that the record feels, the highest score first."""
-    found = []
-    stated = tried(null.hypothesis, null.hypothesis.frame.stated) if gross(null) else None
-    near = stated or null.best
-    quiet = null.hypothesis.frame.quiet
-    with reporting(progress, len(hypotheses), "effects") as tell:
-        for k, one in enumerate(hypotheses):
-            # what a controller computes is known so well that gains of another controller tell nothing of it
-            own = stated is not None and quiet[one.place].role is Role.CONTROLLER
-            best = _best_size(null, one, near, own)
-            if best is not None:
-                found.append(best)
-            tell(k + 1, len(hypotheses))
-    return sorted(found, key=lambda c: -c.gain)
-
-
-def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
-    """Return the fits of the candidates of the highest scores, the likeliest first."""
+def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progress = None) -> list[Fit]:
+    """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found."""
     first: list[Fit] = []
+    least = SLOWER * max((c.gain for c in found), default=0.0) if raced else -math.inf
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
-    chosen = [*found[:TRIED], *(c for c in found[TRIED:] if c.looked.hypothesis.hides)]
-    chosen.sort(key=lambda c: (c.looked.hypothesis.hides, bool(c.looked.hypothesis.nests)))
+    chosen = [c for c in found[:TRIED] if c.gain >= least or c.hypothesis.hides]
+    chosen += [c for c in found[TRIED:] if c.hypothesis.hides]
+    chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
-            fit = _first_fit(null, one, first)
+            fit = _first_fit(null, one, first, raced)
             if fit is not None:
                 first.append(fit)
             tell(k + 1, len(chosen))
     first.sort(key=price)
-    near = [fit for fit in first if price(fit) < price(first[0]) + LAGGING] if first else []
+    lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
+    near = [fit for fit in first if price(fit) < price(first[0]) + lag]
     return sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
 
 
-def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit]) -> Fit | None:
+def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool) -> Fit | None:
     """Return the first fit of a candidate; ``found`` those before it."""
-    mine = one.looked.hypothesis
+    mine = one.hypothesis.of(null.best.hypothesis.frame)  # the same rows for all, or no two compare
     if mine.hides:
         band = next((f for f in found if _is_without_jump(f.hypothesis, mine)), None)
         most = max((null.nll - f.nll for f in found), default=0.0)
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
             return None  # what no play explains to some part no stem that jumps explains
-        return fitted_stem(null, mine, band)
+        return fitted_stem(null, mine, band, _within_reach(null, found))
+    if raced:
+        start = tried(mine, one.values)
+        return None if start is None else settled(Fit(start, (), np.zeros((0, 0)), np.zeros((0, *start.e.shape))), 1)
     start = _own_filter(null, one)
     return None if start is None else refined(start, free_names(start.hypothesis), FIRST)
+
+
+def _within_reach(null: Fit, found: Sequence[Fit]) -> float:
+    """Return the nll that first sizes of a stem have to come to: nearly that of a fit that leaves nothing unusual."""
+    best = min(found, key=price, default=None)
+    if best is None or best.hypothesis.hides or max(map(abs, checks(best.best).values())) > CLEAN:
+        return math.inf
+    return null.nll - REACH * (null.nll - best.nll)
 
 
 def _is_without_jump(narrow: Hypothesis, wide: Hypothesis) -> bool:
@@ -146,144 +122,16 @@ def schwarz(parameters: int, values: float) -> float:
     return 0.5 * parameters * math.log(max(values, 2.0))
 
 
-def free_parameters(left: Innovations) -> int:
+def free_parameters(one: Candidate | Innovations) -> int:
     """Return how many parameters of its effect a hypothesis uses."""
-    effect = left.hypothesis.effect
-    return sum(math.isfinite(left.values[p.name]) for p in effect.parameters) if effect else 0
+    effect = one.hypothesis.effect
+    return sum(math.isfinite(one.values[p.name]) for p in effect.parameters) if effect else 0
 
 
 def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
-    hypothesis = one.looked.hypothesis
-    effect = hypothesis.effect
-    assert effect is not None
+    hypothesis = one.hypothesis
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
-    if gross(null):
-        size = _walked(one.looked, one.looked)
-        return tried(hypothesis, size.values)
-    near = refined(one.looked, names, APPROACH, null.best).best
-    own = tried(hypothesis, near.values)
-    return own if own is not None else tried(hypothesis, one.looked.values)
-
-
-def _walked(start: Innovations, near: Innovations) -> Innovations:
-    """Return the likeliest sizes of an effect near a start, all with the gains of ``near``, step by step."""
-    one = start.hypothesis
-    names = [p.name for p in one.effect.parameters if not p.nuisance and math.isfinite(start.values[p.name])] \
-        if one.effect else []  # fmt: skip
-    best = tried(one, start.values, near)
-    if best is None:
-        return start
-    ends = {name: [coordinate(one, name, end) for end in one.bounds[name]] for name in names}
-    step = {name: STEP * min(high - low, 1.0) for name, (low, high) in ends.items()}
-    for _ in range(WALKED):
-        moves = [(name, way) for name in names for way in (1.0, -1.0)]
-        ahead = []
-        for name, way in moves:
-            at = coordinate(one, name, best.values[name]) + way * step[name]
-            ahead.append(tried(one, {**best.values, name: value(one, name, at)}, near))
-        found = min((x for x in ahead if x is not None), key=lambda x: x.nll, default=None)
-        if found is None or found.nll >= best.nll:
-            step = {name: 0.5 * size for name, size in step.items()}
-        else:
-            best = found
-    return best
-
-
-def _best_size(null: Fit, one: Hypothesis, model: Innovations, own: bool) -> Candidate | None:
-    """Return the size of the highest score with the gains of the ``model`` or its ``own``; None if none is felt."""
-    near = None if own else model
-    best: Candidate | None = None
-    at = one.frame.stated if gross(null) else {key: null.best.values[key] for key in one.frame.free}
-    for size in sizes(null, one):
-        looked = tried(one, {**at, **size}, near)
-        scored = None if looked is None else score(null, looked)
-        if looked is None or scored is None:
-            continue
-        if gross(null):
-            scored = null.nll - looked.nll, scored[1]
-        if (
-            best is None
-            or scored[0] > best.gain + CLOSE
-            or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll)
-        ):
-            best = Candidate(looked, *scored)
-    if best is None or not gross(null):
-        return best
-    nearer = _towards_neutral(best.looked, model, near)
-    scored = score(null, nearer)
-    return best if scored is None else Candidate(nearer, null.nll - nearer.nll, scored[1])
-
-
-def _towards_neutral(looked: Innovations, base: Innovations, near: Innovations | None) -> Innovations:
-    """Return the likelier of a size and what secants from neutral, ``base``, propose: it may be far too large."""
-    one, nominal = looked.hypothesis, looked.hypothesis.nominal
-    names = [p.name for p in one.effect.parameters if not p.nuisance] if one.effect else []
-    if len(names) != 1 or not math.isfinite(nominal[names[0]]):
-        return looked
-    name = names[0]
-    start, weight = coordinate(one, name, nominal[name]), _less_far_from_usual(np.nan_to_num(base.e))
-    for _ in range(SECANTS):
-        d = np.nan_to_num(looked.e - base.e) * weight
-        share = -float(np.sum(np.nan_to_num(base.e) * weight * d)) / max(float(np.sum(d**2)), 1e-300)
-        at = coordinate(one, name, looked.values[name])
-        ahead = tried(one, {**looked.values, name: value(one, name, start + share * (at - start))}, near)
-        if ahead is None or ahead.nll >= looked.nll:
-            break
-        looked = ahead
-    return looked
-
-
-def gross(null: Fit) -> bool:
-    """Return whether the model is so far from the log that its own gains say nothing of anything else.
-
-    So are those of a model whose noise, or a load, wants to be larger than it can be.
-    """
-    if at_bound(null):
-        return True
-    return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
-
-
-def at_bound(null: Fit) -> bool:
-    """Return whether noise, or a load, wants to be larger or slower than every fit lets it."""
-    one, values = null.hypothesis, null.best.values
-    known = [(values[name], *one.bounds[name]) for name in sorted(one.noise_keys & values.keys())]
-    return any(min(now / low, high / now) < 1.0 + AT_BOUND for now, low, high in known)
-
-
-def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
-    """Return the gain that the score promises [nats], and the direction of the change; None where nothing is felt."""
-    weight = trusted(null)
-    d = np.nan_to_num(looked.e - null.best.e) * weight
-    for slope in basis(null):
-        d = d - slope * float(np.sum(slope * d))
-    length = float(np.linalg.norm(d))
-    if not 1e-6 < length < math.inf:
-        return None
-    direction = d / length
-    along = -float(np.sum(np.nan_to_num(null.best.e) * weight * direction))
-    return 0.5 * max(along, 0.0) ** 2, direction
-
-
-def trusted(fit: Fit) -> Floats:
-    """Return the weight of each innovation, (rows, signals): 1, less far from usual, 0 in rows that do not count.
-
-    It is that of Student's law, so that the score of a model that is far from the log is not that of a few rows.
-    """
-    e = np.nan_to_num(fit.best.e)
-    rows = fit.hypothesis.frame.counted
-    return np.asarray(rows[:, None] * _less_far_from_usual(e))
-
-
-def _less_far_from_usual(e: Floats) -> Floats:
-    return np.asarray(1.0 / np.sqrt(1.0 + (e / CALM) ** 2))
-
-
-def basis(fit: Fit) -> Floats:
-    """Return an orthonormal basis of what the free parameters of a fit change, (k, rows, signals)."""
-    if not len(fit.slopes):
-        return fit.slopes
-    flat = (fit.slopes * trusted(fit)).reshape(len(fit.slopes), -1)
-    flat = flat[np.sqrt(np.sum(flat**2, axis=1)) > 1e-3]
-    q, _ = np.linalg.qr(flat.T)
-    return np.asarray(q.T.reshape(-1, *fit.slopes.shape[1:]))
+    start = tried(hypothesis, one.values, null.best)
+    near = one.values if start is None else refined(start, names, APPROACH, null.best).best.values
+    return tried(hypothesis, near) or tried(hypothesis, one.values)

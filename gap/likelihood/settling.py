@@ -10,13 +10,13 @@ FIRST = 2  # rounds of a first fit
 SETTLING = 4  # times that a fit and the switches of its inputs follow each other
 
 
-def settled(fit: Fit) -> Fit:
+def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
     """Return a fit in all rows, its inputs switching when that suits it."""
     one = fit.hypothesis
     start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
     if start is None:
         return fit
-    for _ in range(SETTLING):
+    for _ in range(rounds):
         start = with_switches(start)
         fit = refined(start, free_names(one), FIRST)
         if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:

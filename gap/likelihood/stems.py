@@ -75,8 +75,11 @@ class Bank:
         return min(self.trials, key=_nll, default=None)
 
 
-def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None) -> Fit | None:
-    """Return the fit of a stem, a band or, from the fit ``without`` one, a jump; None where no run follows it."""
+def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None, within: float = math.inf) -> Fit | None:
+    """Return the fit of a stem, a band or, from the fit ``without`` one, a jump; None where no run follows it.
+
+    ``within``: the nll that its first sizes have to come to, or it is not fitted.
+    """
     one = one.of(replace(one.frame, draws=BETWEEN))
     shared = {key: (without or null).best.values[key] for key in one.frame.free}
     path = without.best.stem if without is not None else _ideal(null, one)
@@ -85,6 +88,8 @@ def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None) -> Fit |
         return None
     for size in _bands(one) if without is None else _jumps(without):
         bank.tried(size)
+    if min(map(_nll, bank.trials), default=math.inf) > within:
+        return None
     bank.count = STEMS
     best = min((_refined(bank, start) for start in _starts(bank)), key=_nll, default=None)
     if best is None:

@@ -1,0 +1,121 @@
+"""A first size of every effect: by its score near the model, by a race of filters far from it.
+
+Near the model each size costs one run with the gains of the model's own filter.  Far from it these gains say nothing,
+so each effect is fitted to a first part of the record.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.fits.loads import is_load
+from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis
+from stickslip.gap.likelihood.scores import score
+from stickslip.gap.likelihood.settling import free_names
+from stickslip.gap.likelihood.sizes import sizes
+from stickslip.gap.likelihood.switches import with_switches
+
+Floats = NDArray[np.float64]
+CLOSE = 1.0  # nats of scores between which the likelier size counts
+RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
+SPRINT = 3  # rounds of a fit there
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """The best first ``values`` of a ``hypothesis`` and the ``gain`` that they promise [nats].
+
+    ``direction`` (rows, signals), of unit length, is what they change with the gains of the model; None where these
+    gains do not hold.
+    """
+
+    hypothesis: Hypothesis
+    values: Mapping[str, float]
+    gain: float
+    direction: Floats | None
+
+
+def by_score(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
+    """Return the best first size of every hypothesis that the record feels, the highest score first."""
+    return _each(hypotheses, lambda one: _scored(null, one), progress)
+
+
+def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
+    """Return sizes of every hypothesis that are fitted to first rows, each with filters of its own, the best first.
+
+    The gains of a model that is far from the log say nothing of other models.
+    """
+    short = first_rows(null)
+    start = tried(Hypothesis(short), null.best.values)
+    if start is None:
+        return by_score(rough, hypotheses, progress)
+    alone = refined(with_switches(start), tuple(short.free), SPRINT)
+    return _each(hypotheses, lambda one: _raced(alone, null, rough, one), progress)
+
+
+def _each(
+    hypotheses: Sequence[Hypothesis], look: Callable[[Hypothesis], Candidate | None], progress: Progress
+) -> list[Candidate]:
+    found = []
+    with reporting(progress, len(hypotheses), "effects") as tell:
+        for k, one in enumerate(hypotheses):
+            best = look(one)
+            if best is not None:
+                found.append(best)
+            tell(k + 1, len(hypotheses))
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
+    """Return the size of the highest score with the gains of the model alone; None if none is felt."""
+    best: Candidate | None = None
+    least = math.inf
+    at = {key: null.best.values[key] for key in one.frame.free}
+    for size in sizes(null, one):
+        found = tried(one, {**at, **size}, null.best)
+        scored = None if found is None else score(null, found)
+        if found is None or scored is None:
+            continue
+        gain, direction = scored
+        if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
+            best, least = Candidate(one, found.values, gain, direction), found.nll
+    return best
+
+
+def _raced(alone: Fit, null: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
+    """Return sizes that are fitted to the rows of ``alone``, the model without an effect; ``null`` that in all rows."""
+    short, stated = alone.hypothesis.frame, one.frame.stated
+    if one.hides or (one.effect is not None and is_load(one.effect)):  # a load may begin behind the first rows
+        trials = [tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one)]
+        best = min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
+        gain = 0.0 if best is None else PART * (rough.nll - best.nll)
+    else:
+        part = one.of_rows(replace(short, apart=True))
+        trials = [tried(part, {**stated, **size}) for size in sizes(rough, one)]
+        best = min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
+        if best is None:
+            return None
+        best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best
+        whole = tried(one.of_rows(short), best.values)
+        if whole is not None:
+            best = refined(with_switches(whole), free_names(one), SPRINT).best
+        gain = alone.nll - best.nll
+    if best is None:
+        return None
+    own = {name: best.values[name] for name in one.own}
+    near = tried(one, {**rough.best.values, **own}, rough.best)  # its gains fit its own noise only
+    scored = None if near is None else score(rough, near)
+    return Candidate(one, {**stated, **own}, gain, None if scored is None else scored[1])
+
+
+def first_rows(null: Fit) -> Frame:
+    """Return the frame of the first rows that hold a ``PART`` of what the model alone leaves."""
+    frame = null.best.hypothesis.frame
+    left = np.cumsum(np.nansum(np.minimum(np.abs(null.best.e), FAR) ** 2, axis=1))
+    rows = max(int(np.searchsorted(left, PART * left[-1])), min(RACED, len(left)))
+    return replace(frame, record=frame.record.first_part(rows / len(left)))

@@ -1,0 +1,73 @@
+"""What a change of a model's innovations promises, in a score that far rows do not decide.
+
+gain of a size  =  (e . d)^2 / (2 |d|^2)       d: what the size changes in the innovations, less its projection on
+                                               what the free parameters of the model change
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.hypothesis import FAR, Innovations
+
+Floats = NDArray[np.float64]
+AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
+GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
+CALM = 4.0  # standard deviations from which on innovations count less
+
+
+def gross(null: Fit) -> bool:
+    """Return whether the model is so far from the log that its own gains say nothing of anything else.
+
+    So are those of a model whose noise, or a load, wants to be larger than it can be.
+    """
+    if at_bound(null):
+        return True
+    return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
+
+
+def at_bound(null: Fit) -> bool:
+    """Return whether noise, or a load, wants to be larger or slower than every fit lets it."""
+    one, values = null.hypothesis, null.best.values
+    known = [(values[name], *one.bounds[name]) for name in sorted(one.noise_keys & values.keys())]
+    return any(min(now / low, high / now) < 1.0 + AT_BOUND for now, low, high in known)
+
+
+def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
+    """Return the gain that the score promises [nats], and the direction of the change; None where nothing is felt."""
+    weight = trusted(null)
+    d = np.nan_to_num(looked.e - null.best.e) * weight
+    for slope in basis(null):
+        d = d - slope * float(np.sum(slope * d))
+    with np.errstate(over="ignore"):  # gains of one model may drive another away
+        length = float(np.linalg.norm(d))
+    if not 1e-6 < length < math.inf:
+        return None
+    direction = d / length
+    along = -float(np.sum(np.nan_to_num(null.best.e) * weight * direction))
+    return 0.5 * max(along, 0.0) ** 2, direction
+
+
+def trusted(fit: Fit) -> Floats:
+    """Return the weight of each innovation, (rows, signals): 1, less far from usual, 0 in rows that do not count.
+
+    It is that of Student's law, so that the score of a model that is far from the log is not that of a few rows.
+    """
+    e = np.nan_to_num(fit.best.e)
+    rows = fit.hypothesis.frame.counted
+    return np.asarray(rows[:, None] * _less_far_from_usual(e))
+
+
+def _less_far_from_usual(e: Floats) -> Floats:
+    return np.asarray(1.0 / np.sqrt(1.0 + (e / CALM) ** 2))
+
+
+def basis(fit: Fit) -> Floats:
+    """Return an orthonormal basis of what the free parameters of a fit change, (k, rows, signals)."""
+    if not len(fit.slopes):
+        return fit.slopes
+    flat = (fit.slopes * trusted(fit)).reshape(len(fit.slopes), -1)
+    flat = flat[np.sqrt(np.sum(flat**2, axis=1)) > 1e-3]
+    q, _ = np.linalg.qr(flat.T)
+    return np.asarray(q.T.reshape(-1, *fit.slopes.shape[1:]))
