@@ -31,13 +31,14 @@ class Candidate:
     """The best first ``values`` of a ``hypothesis`` and the ``gain`` that they promise [nats].
 
     ``direction`` (rows, signals), of unit length, is what they change with the gains of the model; None where these
-    gains do not hold.
+    gains do not hold.  ``fresh``: whether the gain is that of filters of its own.
     """
 
     hypothesis: Hypothesis
     values: Mapping[str, float]
     gain: float
     direction: Floats | None
+    fresh: bool = False
 
 
 def by_score(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
@@ -90,7 +91,8 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
 def _raced(alone: Fit, null: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
     """Return sizes that are fitted to the rows of ``alone``, the model without an effect; ``null`` that in all rows."""
     short, stated = alone.hypothesis.frame, one.frame.stated
-    if one.hides or (one.effect is not None and is_load(one.effect)):  # a load may begin behind the first rows
+    fresh = not (one.hides or (one.effect is not None and is_load(one.effect)))
+    if not fresh:  # a load may begin behind the first rows
         trials = [tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one)]
         best = min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
         gain = 0.0 if best is None else PART * (rough.nll - best.nll)
@@ -110,7 +112,7 @@ def _raced(alone: Fit, null: Fit, rough: Fit, one: Hypothesis) -> Candidate | No
     own = {name: best.values[name] for name in one.own}
     near = tried(one, {**rough.best.values, **own}, rough.best)  # its gains fit its own noise only
     scored = None if near is None else score(rough, near)
-    return Candidate(one, {**stated, **own}, gain, None if scored is None else scored[1])
+    return Candidate(one, {**stated, **own}, gain, None if scored is None else scored[1], fresh)
 
 
 def first_rows(null: Fit) -> Frame:

@@ -9,6 +9,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
+from stickslip.gap.likelihood.digits import by_digits
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -42,7 +43,7 @@ class Outcome:
     """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
     likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
     that the record does not tell apart, none where none is enough; ``share`` by
-    which the first fit moves the signals.
+    which the first fit moves the signals; ``textured`` whether the digits of the log told.
     """
 
     null: Fit
@@ -52,6 +53,7 @@ class Outcome:
     gap: bool
     named: Sequence[Fit]
     share: float = 1.0
+    textured: bool = False
 
 
 def frame_of(model: Diagram, record: Record) -> Frame | None:
@@ -99,6 +101,9 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     null = settled(rough)
     alone = judged(null, [], seed)
     far, possible = alone.unusual or gross(rough), legal(rough, catalogue)
+    shown = by_digits(null, catalogue, seed)
+    if shown is not None:
+        return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
     found = by_race(null, rough, possible, progress) if far else by_score(rough, possible, progress)
     values = float(np.isfinite(rough.best.judged).sum())
     calm = not far and all(worth(c, values) + ROUGHLY < needed(found) for c in found)

@@ -7,7 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.role import Role
+from stickslip.diagram import simulate
 from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
@@ -57,6 +59,15 @@ class Frame:
     def probed(self) -> NDArray[np.bool_]:
         """Signals that tell whether anything bends within the spread: outputs of controllers, else all."""
         return np.array([s in self.ops or not self.ops for s in self.signals])
+
+    @cached_property
+    def first(self) -> dict[str, float]:
+        """The first value of every signal: as it is logged, or else as the model starts."""
+        record, t0 = self.record, float(self.record.log.t[0])
+        played = {s: record.source(s) for s in record.played}
+        begun = simulate(close(self.quiet, played) if played else self.quiet, record.log.dt, times=[t0], t0=t0).log
+        found = {s: float(begun[s][0]) for s in begun.names}
+        return found | {s: value for s, value in record.first.items() if math.isfinite(value)}
 
     @cached_property
     def Y(self) -> Floats:

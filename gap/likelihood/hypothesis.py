@@ -37,7 +37,7 @@ class Hypothesis:
         f = self.frame
         if self.effect is None or self.effect.of_log:
             return f.model
-        return self.effect.started(self.effect.put(f.model, self.place), self.place, f.record.first)
+        return self.effect.started(self.effect.put(f.model, self.place), self.place, f.first)
 
     @cached_property
     def prepared(self) -> Prepared:

@@ -11,6 +11,7 @@ from stickslip.blocks.recorded import Recorded
 from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.fits.loads import is_load, planned
+from stickslip.gap.fits.scans import FASTER, OTHERS, read_off
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 
@@ -29,6 +30,8 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     assert effect is not None
     if is_load(effect):
         return _loads(null, one)
+    if one.own[:1] == ("period",) and one.own[1:2] == ("offset",):
+        return _scans(one)
     if one.own == ("low", "high"):
         return _limits(one)
     if effect.hidden:  # a stem, which jumps or does not: the first parameter is its band
@@ -50,6 +53,22 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         kept = [v for v in several if low <= v <= high]
         found = [{**before, p.name: v} for before in found for v in kept] if kept else found
     return [size for size in found if size]
+
+
+def _scans(one: Hypothesis) -> list[dict[str, float]]:
+    """Return scans as the log shows them, or faster than its rows, or slower than those of the model."""
+    f, own, dt = one.frame, one.nominal["period"], one.frame.record.log.dt
+    signal = str(f.model[one.place].output_labels[0])
+    good = np.isfinite(f.Y[:, f.signals.index(signal)]) if signal in f.signals else np.zeros(0, dtype=bool)
+    seen = read_off(f.record.log.t[good], f.Y[good, f.signals.index(signal)]) if good.any() else []
+    seen += [(own * by, 0.0) for by in OTHERS if by != 1.0] if own > 0.0 else []
+    low, high = one.bounds["period"]
+    return [
+        {"period": period, "offset": offset % period, "present": present}
+        for period, offset in seen or [(dt * by, 0.0) for by in FASTER]
+        if min(low, dt * FASTER[0]) <= period <= high
+        for present in (1.0, 0.0)
+    ]
 
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:

@@ -6,6 +6,7 @@ import numpy as np
 from stickslip.blocks.role import Role
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from stickslip.gap.answers.sureness import Sureness
 from stickslip.gap.likelihood.diagnosing import Outcome
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
@@ -51,15 +52,19 @@ def _named(o: Outcome) -> GapReport:
     words += about_creep(effect, found)
     if others:
         words.append(f"From these signals it cannot be told apart from {listed(others)}.")
-    words.append(
-        f"The log is {o.null.nll - best.nll:.1f} nats likelier with it; what it leaves is usual "
-        f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
-    )
+    if o.textured:
+        words.append("The digits of the log show it, which no other effect leaves.")
+    else:
+        words.append(
+            f"The log is {o.null.nll - best.nll:.1f} nats likelier with it; what it leaves is usual "
+            f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
+        )
     shares = _posterior(o, o.fits)
     sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
+    sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll)) if o.textured else sure
     where = Where(one.place, sure, places, _by_place(o))
     cause = Cause(effect.name, one.place, sure, others, found)
-    shrunk = held_out(o.null, best)
+    shrunk = None if o.textured else held_out(o.null, best)
     if shrunk is not None:
         by = f"{100.0 * shrunk.fraction:.0f} % ({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)"
         words.append(f"On rows that the fit has not seen the gap shrinks by {by}.")
@@ -157,7 +162,8 @@ def _report(
     both = np.stack([o.null.best.judged, after.best.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     gained = max(o.null.nll - after.nll, 0.0)
-    kind = "none" if not o.gap else ("filter, white" if o.named else "filter, unknown")
+    rests = "filter, digits" if o.textured else "filter, white"
+    kind = "none" if not o.gap else (rests if o.named else "filter, unknown")
     evidence = Evidence(kind, gained)
     t, notes = f.record.log.t[f.skipped :], _notes(o, after)
     return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, evidence)

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from stickslip.blocks import Staircase
+from stickslip.blocks import PI, SampledPI, Staircase, Sum
 from stickslip.cases.models import level_loop, second_order_flow, site_flow
 from stickslip.diagram import Diagram, simulate
 from stickslip.diagram.inputs import close
+from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.filters.diagnosing import filtering_of
 from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.likelihood.frame import Frame
@@ -65,3 +66,21 @@ def test_the_mean_alone_follows_with_known_gains() -> None:
     one = Hypothesis(framed(tank(False), logged(tank(False), 3)))
     known = one.filtered({})
     assert one.filtered({}, known).nll == pytest.approx(known.nll, abs=1e-6)
+
+
+@pytest.mark.parametrize("scanned", [True, False], ids=["scanned", "continuous"])
+def test_hardly_any_dead_time_is_none(scanned: bool) -> None:
+    # OP is in %, the inflow that is late is not, and no log has it: the delay starts with what the model has there
+    law = (
+        SampledPI(200.0, 120.0, dt=2.0, high=100.0, start_op=50.0)
+        if scanned
+        else PI(200.0, 120.0, high=100.0, start_op=50.0)
+    )
+    model = tank(scanned).replace("controller", law)
+    model = model.replace("inflow", Sum("F", {"MV": 0.01, "load": 1.0}, name="inflow"))
+    frame = framed(model, logged(model, 4, duration=1800.0))
+    (late,) = (one for one in CATALOGUE if one.name == "dead_time")
+    one = Hypothesis(frame, late, "tank")
+    hardly = one.filtered({"theta": 0.05})
+    assert one.changed["tank:dead_time"].params["theta_start"] == pytest.approx(0.5, abs=0.05)  # 50 at first, before
+    assert hardly.nll == pytest.approx(Hypothesis(frame).filtered({}).nll, abs=30.0)

@@ -1,0 +1,72 @@
+"""Where a model is far from its log: gains of the model point the wrong way, and digits show what no row does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from stickslip.gap import diagnose
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.candidates import by_race
+from stickslip.gap.likelihood.fit import refined
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.settling import free_names, settled
+from stickslip.gap.likelihood.sizes import sizes
+from stickslip.logs import Log
+from stickslip.logs.dirt import swinging_door
+
+from tests.gap.root_tank import framed, logged, tank
+
+
+def effect(name: str) -> Effect:
+    return next(one for one in CATALOGUE if one.name == name)
+
+
+def test_a_fit_far_from_the_truth_finds_it() -> None:
+    # slopes with the gains of another controller say that a smaller factor is likelier
+    true = effect("controller_gain").insert(tank(), "controller", factor=2.0)
+    one = Hypothesis(replace(framed(tank(), logged(true, 5)), apart=True), effect("controller_gain"), "controller")
+    found = refined(one.filtered({"factor": 1.5}), free_names(one))
+    assert found.best.values["factor"] == pytest.approx(2.0, rel=0.02)
+
+
+def test_first_rows_know_the_effect() -> None:
+    true = effect("process_gain").insert(tank(), "tank", factor=1.4)
+    frame = framed(tank(), logged(true, 6))
+    rough = model_alone(replace(frame, apart=True))
+    places = {"process_gain": "tank", "controller_gain": "controller", "sensor_lag": "sensor"}
+    one = [Hypothesis(rough.hypothesis.frame, effect(name), place) for name, place in places.items()]
+    first, *_ = by_race(settled(rough), rough, one)
+    assert first.hypothesis.effect is one[0].effect
+    assert first.values["factor"] == pytest.approx(1.4, rel=0.05)
+
+
+def test_scans_are_read_off_the_log() -> None:
+    true = effect("scan_time").insert(tank(False), "controller", period=12.0)
+    frame = framed(tank(False), logged(true, 7))
+    one = Hypothesis(frame, effect("scan_time"), "controller")
+    periods = {size["period"] for size in sizes(model_alone(replace(frame, apart=True)), one)}
+    assert min(abs(period - 12.0) for period in periods) < 0.02
+
+
+@pytest.mark.parametrize("step", [0.0217, 0.02], ids=["rounded again", "a multiple of the log's digit"])
+def test_a_coarse_sensor_is_named_by_its_digits(step: float) -> None:
+    true = effect("quantisation").insert(tank(), "sensor", step=step)
+    (cause,) = diagnose(tank(), logged(true, 8), limits=False).causes
+    assert (cause.effect, cause.place) == ("quantisation", "sensor")
+    assert cause.parameters["step"].value == pytest.approx(step, rel=0.01)
+
+
+def test_a_log_that_rounds_is_no_coarse_sensor() -> None:
+    log = logged(tank(), 8)
+    rounded = {"PV": np.round(log["PV"] / 0.01) * 0.01}
+    assert not diagnose(tank(), Log(log.t, {**{s: log[s] for s in log.names}, **rounded}), limits=False).gap
+
+
+def test_a_historian_that_compresses_is_named_by_its_lines() -> None:
+    log = logged(tank(), 9)
+    drawn = swinging_door(log, 0.012, ["PV"])["PV"]
+    other = Log(log.t, {**{s: log[s] for s in log.names}, "PV": np.round(drawn, 4)})
+    (cause,) = diagnose(tank(), other, limits=False).causes
+    assert (cause.effect, cause.place) == ("compression", "historian")
