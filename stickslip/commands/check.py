@@ -9,6 +9,7 @@ import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.commands.reading import form_options
+from stickslip.commands.short import refuse_short
 from stickslip.commands.standard_input import with_standard_input
 from stickslip.commands.targets import check_targets, write_whole
 
@@ -71,7 +72,7 @@ def command(files: tuple[Path, ...], **stated: Any) -> None:
     Exit codes:
       0  done: no stiction, or the record leaves it open (the verdict says which)
       1  done, and stiction found
-      2  FILE cannot be read, or the request makes no sense
+      2  FILE cannot be read or is too short for any verdict, or the request makes no sense
     """
     with with_standard_input(files) as found:
         _check(found, **stated)
@@ -87,7 +88,7 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import diagnosed, with_stated
+    from stickslip.commands.one_loop import answered, diagnosed, with_stated
 
     many = several(files, stated)
     if len(many) > 1 or len(many[0].records) > 1:
@@ -102,6 +103,7 @@ def _check(
     loop = prepared(with_stated(record, measurement, span, stated["process"] is None))
     diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
+    refuse_short([answered(diagnosis)])
     say = Speaker(json_file)
     asked = simulate or (simulate is None and diagnosis.unsure)
     found = _simulated(diagnosis) if asked else ""

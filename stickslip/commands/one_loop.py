@@ -47,6 +47,12 @@ def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
         return diagnose(record)
 
 
+def answered(diagnosis: "Diagnosis") -> tuple[str, int, bool]:
+    """Return name and rows of a loop, and whether the verdict or a method says something on it."""
+    spoken = diagnosis.verdict != "not_applicable" or any(method.applicable for method in diagnosis.methods)
+    return diagnosis.loop, len(diagnosis.record), spoken
+
+
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
     from stickslip.commands.report.page import Section

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.commands.short import too_short
+from stickslip.commands.short import refuse_short
 from stickslip.commands.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
@@ -99,8 +99,7 @@ def command(
         )
     else:
         found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
-    if short := too_short([(judged.loop, judged.samples, judged.verdicts) for judged in found.loops]):
-        raise ValueError(short)
+    refuse_short((one.loop, one.samples, any(v.applicable for v in one.verdicts)) for one in found.loops)
     _tell(say, found)
     scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:

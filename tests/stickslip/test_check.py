@@ -6,14 +6,12 @@ import os
 import pytest
 
 UNFIT = [  # readable, but nothing to judge
-    ("three rows", "time,PV,OP\n0,4,50\n1,5,51\n2,4,52\n"),
-    ("one row", "time,PV,OP\n0,4,50\n"),
     ("constant", "time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300))),
     ("PV never good", "time,SP,PV,OP\n" + "".join(f"{i},5,nan,{50 + i % 3}\n" for i in range(300))),
     ("nothing ever good", "time,SP,PV,OP\n" + "".join(f"{i},nan,nan,nan\n" for i in range(300))),
     ("PV infinite", "time,SP,PV,OP\n" + "".join(f"{i},5,inf,{50 + i % 3}\n" for i in range(300))),
     ("negative times", "time,PV,OP\n" + "".join(f"{i - 500},{4 + i % 9},{50 + i % 5}\n" for i in range(300))),
-    ("byte order mark", "\ufefftime,PV,OP\n0,4,50\n1,5,51\n2,4,52\n"),
+    ("byte order mark", "\ufefftime,PV,OP\n" + "".join(f"{i},5,{50 + i % 3}\n" for i in range(100))),
     ("huge times", "time,PV,OP\n" + "".join(f"{i}e300,{4 + i % 9},{50 + i % 5}\n" for i in range(300))),
     ("huge values", "time,PV,OP\n" + "".join(f"{i},{4 + i % 9}e300,{50 + i % 5}\n" for i in range(300))),
     ("tiny values", "time,PV,OP\n" + "".join(f"{i},{4 + i % 9}e-310,{50 + i % 5}\n" for i in range(300))),
@@ -116,7 +114,7 @@ def test_names_from_the_file_are_not_markup(call, good, tmp_path):
 
 def test_the_readers_options_reach_the_reader(call, tmp_path):
     path = tmp_path / "trend.csv"
-    path.write_text("Zeit;FT1;FCV1\n" + "".join(f"{i},5;{4 + i % 3},5;{50 + i % 2},0\n" for i in range(50)))
+    path.write_text("Zeit;FT1;FCV1\n" + "".join(f"{i},5;{4 + i % 3},5;{50 + i % 2},0\n" for i in range(100)))
     result = call("check", path, "--time", "Zeit", "--pv", "FT1", "--op", "FCV1", "--decimal", ",", "--separator", ";")
     assert result.exit_code == 0
     assert "NOT APPLICABLE" in result.stdout
@@ -156,7 +154,7 @@ def test_a_logged_stem_is_not_asked_for_and_unused_columns_are_named(call, expor
 
 def test_time_unit_reaches_the_reader(call, tmp_path):
     path = tmp_path / "export.csv"
-    path.write_text("time,PV,OP\n" + "".join(f"{250 * i},{4 + i % 3},{50 + i % 2}\n" for i in range(50)))
+    path.write_text("time,PV,OP\n" + "".join(f"{250 * i},{4 + i % 3},{50 + i % 2}\n" for i in range(100)))
     assert "read as seconds, 250 s apart" in " ".join(call("check", path).stdout.split())
     assert "Time is read in milliseconds" in " ".join(call("check", path, "--time-unit", "ms").stdout.split())
     refused = call("check", path, "--time-unit", "fortnight")
