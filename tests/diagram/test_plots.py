@@ -244,6 +244,15 @@ def test_a_short_start_up_does_not_squeeze_the_cycle():
         assert low > 0.0 and any(text.get_text().startswith("start-up goes down to 0") for text in ax.texts)
 
 
+def test_nor_the_cycles_of_an_ensemble():
+    result = ensemble(wire(README), 600.0, params={"valve.F_s": np.linspace(2250.0, 2400.0, 3)}, every=0.5)
+    (ax,) = result.plot("PV").axes
+    low, high = ax.get_ylim()
+    late = result.values["PV"][:, result.t >= 300.0]
+    assert low < late.min() < late.max() < high and np.ptp(late) > 0.6 * (high - low), "the cycles fill the panel"
+    assert any(text.get_text().startswith("start-up goes down to 0") for text in ax.texts)
+
+
 def test_what_happens_in_the_middle_of_a_run_is_no_start_up():
     ax = plot_run(simulate(wire([Step("SP", after=0.5, at=200.0), *README[1:]]), 600.0, every=0.1)).axes[0]
     assert ax.get_ylim()[0] < 0.0 and not ax.texts
