@@ -193,6 +193,43 @@ def test_reasons_are_drawn_from_what_decided():
     assert told + rest == pytest.approx(np.log(p / (1 - p)), abs=1e-4)
 
 
+SEEN = {  # what decides on a load that an integrator adds up, with and without a logged stem
+    "slips": ("change of PV per sample", lambda stem: None),
+    "stem_play": ("Stem play", lambda stem: stem),
+    "still_stem": ("The stem that stands", lambda stem: 0.0 * stem + 50.0),
+}
+
+
+@pytest.mark.parametrize("kind", SEEN)
+def test_the_picture_is_of_the_stem_or_the_slips_that_decided(kind):
+    from stickslip.detect.stem.stick import stick
+
+    t = np.arange(3000.0)
+    u = 50 + 5 * np.sin(t / 60) + 2 * np.sin(t / 171)
+    stem = stick(u, 4.0, 1.0)
+    drawn, logged = SEEN[kind]
+    pv = np.sin(t / 90) if kind == "still_stem" else np.cumsum(50 - stem + np.sin(t / 100))
+    found = diagnose(LoopRecord.from_arrays(t, pv=pv, op=u, mv=logged(stem), op_span=(0, 100), process="integrating"))
+    assert found.verdict == "stiction" and found.picture == kind
+    assert drawn in {text.get_text() for text in found.plot().findobj(Text)}
+
+
+def test_the_first_reason_and_the_picture_are_of_one_kind():
+    """No stiction is earned by the likelihood alone; the calibrated model calls stiction by its pattern."""
+    kinds = {
+        "learnt": ("PV laid along OP", "The pattern that the model knows"),
+        "dead_travel": ("ead travel", "Dead travel"),
+    }
+    met = set()
+    for file in ("FIC101_pi_export", "PIC305_long_form"):
+        found = diagnose(read_loop(EXPORTS / f"{file}.csv"))
+        reason, title = kinds[found.picture]
+        assert reason in found.because[0] and len(found.because) <= 3
+        assert title in {text.get_text() for text in found.plot().findobj(Text)}
+        met.add(found.picture)
+    assert met == set(kinds)
+
+
 def test_an_undecided_loop_sends_nobody_to_the_valve():
     found = diagnose(read_loop(real("LIC31102B_20241108_2155")), [])
     assert found.verdict == "inconclusive" and next(iter(found.causes)) == "stiction"

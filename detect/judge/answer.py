@@ -27,7 +27,7 @@ from stickslip.detect.judge.actions import CAUSES, confirming_steps
 from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import not_earned, usable
 from stickslip.detect.judge.features.view import LONGEST, View
-from stickslip.detect.judge.grounds import grounds
+from stickslip.detect.judge.grounds import Ground, Picture, grounds
 from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
 from stickslip.detect.judge.own_slips import own_slips
 from stickslip.detect.judge.still_stem import Still, still_stem
@@ -89,6 +89,7 @@ class Answer:
     reason, action : sentences
     assumptions : what was inferred, one sentence each
     because : what decided a verdict of the model, one sentence each, the weightiest first; empty where it is open
+    picture : what shows the first of them, or in an open answer what moved the model most
     """
 
     word: Word
@@ -101,6 +102,7 @@ class Answer:
     action: str
     assumptions: tuple[str, ...] = ()
     because: tuple[str, ...] = ()
+    picture: Picture = ""
 
 
 def answer(loop: Prepared, model: Model | None = None) -> Answer:
@@ -183,9 +185,13 @@ def _judged(
     told = _concluded(loop, view, said, model, seen)
     if seen is not None and (seen.accuses or told.word == "inconclusive"):
         told = replace(told, reason=f"{told.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
-    settled = told.word in ("stiction", "no_stiction")
-    because = grounds(found, model.shares(found), told.word == "stiction") if settled else ()
-    return replace(told, assumptions=_looked_at(loop, view), because=because)
+    weighed = grounds(found, model.shares(found), told.probability is not None and told.probability >= 0.5)
+    if told.word == "no_stiction" and seen is not None and told.limit is not None:
+        size = f"{rounded(told.limit[0]):g} {told.limit[1]}"
+        weighed = (Ground(f"Dead travel above {size} is excluded by {seen.loss:.0f} nats.", "dead_travel"), *weighed)
+    because = tuple(one.words for one in weighed)[:3] if told.word != "inconclusive" else ()
+    shown: Picture = next((one.picture for one in weighed if one.picture), "")
+    return replace(told, assumptions=_looked_at(loop, view), because=because, picture=shown)
 
 
 def _travelled(travel: float, unit: str) -> str:
@@ -297,7 +303,7 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
     S = sizes["S"]
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
     reason = f"The stem is logged, so the verdict comes from it and not from PV. {told.reason}"
-    return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
+    return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action, picture="stem_play")
 
 
 def _stands(still: Still) -> str:
@@ -309,7 +315,8 @@ def _stands(still: Still) -> str:
 def _from_still(still: Still) -> Answer:
     """The answer where the stem is seen to stand; no probability, and of S the least that it can be."""
     least = Amount(still.travel, 0.5 * still.travel, still.travel, still.unit.replace("its span", "OP"))
-    return Answer("stiction", None, {}, None, None, None, _stands(still), next_step({"stiction": 1.0}, least, True))
+    action = next_step({"stiction": 1.0}, least, True)
+    return Answer("stiction", None, {}, None, None, None, _stands(still), action, picture="still_stem")
 
 
 def _from_slips(slips: Slips, loop: Prepared) -> Answer:
@@ -319,6 +326,5 @@ def _from_slips(slips: Slips, loop: Prepared) -> Answer:
         f"PV changes its pace at once each time OP has come back by {rounded(slips.S):g} %, {slips.reversals} times, "
         "and keeps it before, while OP moves: the valve stands and slips."
     )
-    return Answer(
-        "stiction", None, {}, S, None, None, reason, next_step({"stiction": 1.0}, S, loop.record.mv is not None)
-    )
+    action = next_step({"stiction": 1.0}, S, loop.record.mv is not None)
+    return Answer("stiction", None, {}, S, None, None, reason, action, picture="slips")

@@ -94,7 +94,15 @@ def pooled(
         else next_step(causes, S, stem, settled=word != "inconclusive")
     )
     limit = None if found is None or word != "no_stiction" else (found.claim, unit)
-    return Answer(word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action)
+    alike = sorted((a for a in judged if a.word == word), key=lambda a: a.probability or 0.0)
+    middle = alike[len(alike) // 2] if alike else judged[0]
+    by_all = found is not None and (found.accuses if word == "stiction" else found.clears)
+    because = (f"Of all {each} together: {evidence}",) * by_all
+    because += tuple(f"Of one of the {len(alike)} {each} that say so: {why}" for why in middle.because)
+    return Answer(
+        word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action,
+        because=because[:3] if word != "inconclusive" else (), picture="dead_travel" if by_all else middle.picture,
+    )  # fmt: skip
 
 
 def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:

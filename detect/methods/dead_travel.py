@@ -102,6 +102,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def draw(verdict: Verdict, figure: FigureBase) -> None:
     """OP with the likeliest stem, the gain of every S, and what each tenth of the record adds to it."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
     from stickslip.detect.figures.verdict import draw_reason, legend
     from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
 
@@ -124,6 +125,9 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     middle.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
     middle.plot(verdict.array("sizes"), verdict.array("curve"), ".-", color=INK)
     middle.set_xscale("log")
+    middle.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    middle.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    middle.xaxis.set_minor_formatter(NullFormatter())
     middle.set_xlabel(f"S [{unit}]")
     middle.set_title("gain over the best rival [nats]", fontsize=9, loc="left")
     tenths = verdict.array("tenths")
