@@ -35,7 +35,7 @@ def test_a_weak_stick_of_every_day_is_found_by_the_week(weak):
     found = answer_over_days(Prepared(weak))
     own = [answer(Prepared(day)) for day in days_of(weak)]
     assert found.word == "stiction" and sum(one.word == "stiction" for one in own) < len(own)
-    assert found.picture == "dead_travel" and found.because[0].startswith("Of all records together: "), (
+    assert found.picture == "dead_travel" and found.because[0].startswith("Of all days together: "), (
         "what the sum decides"
     )
     assert found.probability > np.median([one.probability for one in own])
