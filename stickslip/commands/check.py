@@ -223,6 +223,10 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
             "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
         ]
         for verdict in diagnosis.methods
+        if verdict.applicable
     ]
-    say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
+    if rows:
+        say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
+    if silent := [verdict.method for verdict in diagnosis.methods if not verdict.applicable]:
+        say.paragraph(f"Not applicable: {', '.join(silent)}.")
     say("The verdict is the calibrated one; the methods are for comparison. --json has the reason of each.")
