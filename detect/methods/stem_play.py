@@ -174,7 +174,9 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
             f"MV strays from OP by {apart:.2g} %."
         )
     S, J = (tuple(unit * v for v in triple) for triple in (f.S, f.J))
-    positioner = f"MV = {f.offset:.3g} + {f.gain:.3g} OP" if f.gain_known else "the positioner's gain taken as 1"
+    positioner = (
+        f"MV = {round(f.offset, 6):.3g} + {f.gain:.3g} OP" if f.gain_known else "the positioner's gain taken as 1"
+    )
     fit = (
         f"S = {S[0]:.3g} % ({S[1]:.3g} to {S[2]:.3g}), J = {J[0]:.3g} % ({J[1]:.3g} to {J[2]:.3g}) of OP at {m} "
         f"reversals, deadband {max(S[0] - J[0], 0.0):.3g} %, {positioner}"

@@ -45,6 +45,11 @@ def test_a_case(call):
     assert (loop["loop"], loop["methods"][0]["verdict"]) == ("ideal_high", "stiction")
 
 
+def test_a_case_is_simulated_as_long_as_asked(call):
+    done = call("table", "ideal_high", "--duration", "200", "--method", "area_ratio", "--json", "-")
+    assert json.loads(done.stdout)["loops"][0]["samples"] == 2001  # analytic: 200 s, a row every 0.1 s
+
+
 def test_a_loop_of_a_plants_case(call):
     done = call("table", "plant_1_high", "--loop", "PCS11", "--loop", "LCS11", "--method", "stem_play", "--json", "-")
     loops = json.loads(done.stdout)["loops"]
