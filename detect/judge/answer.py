@@ -56,7 +56,7 @@ SILENT = 0.02
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
-FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which nothing is told by shape, and to log
+FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which no shape can be judged, and to log
 
 
 @dataclass(frozen=True)
@@ -120,17 +120,17 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     if loop.record.mv is not None and still is None:
         from stickslip.detect.methods import stem_play
 
-        told = stem_play.detect(loop)
-        if told.applicable:
-            return _from_stem(told, loop)
+        by_stem = stem_play.detect(loop)
+        if by_stem.applicable:
+            return _from_stem(by_stem, loop)
     sampled = _sampled(loop.with_stale)
     if sampled:
         return _refusal(sampled if still is None else f"{_stands(still._replace(why=COARSE))} {sampled}")
     slips = own_slips(loop.with_stale)
     if slips is not None:
-        told_by_slips = _from_slips(slips, loop)
+        by_slips = _from_slips(slips, loop)
         dead = " The logged stem stands still all the while: its tag is dead."
-        return replace(told_by_slips, reason=told_by_slips.reason + dead) if still else told_by_slips
+        return replace(by_slips, reason=by_slips.reason + dead) if still else by_slips
     view, left = view_of(loop), len(loop.with_stale.whole)
     if view is None or left < SAMPLES_MIN:
         if still is not None and still.means == "sticks":
@@ -182,16 +182,16 @@ def _unit(loop: Prepared) -> tuple[float, str]:
 def _judged(
     loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model, seen: Evidence | None
 ) -> Answer:
-    told = _concluded(loop, view, said, model, seen)
-    if seen is not None and (seen.accuses or told.word == "inconclusive"):
-        told = replace(told, reason=f"{told.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
-    weighed = grounds(found, model.shares(found), told.probability is not None and told.probability >= 0.5)
-    if told.word == "no_stiction" and seen is not None and told.limit is not None:
-        size = f"{rounded(told.limit[0]):g} {told.limit[1]}"
+    concluded = _concluded(loop, view, said, model, seen)
+    if seen is not None and (seen.accuses or concluded.word == "inconclusive"):
+        concluded = replace(concluded, reason=f"{concluded.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
+    weighed = grounds(found, model.shares(found), concluded.probability is not None and concluded.probability >= 0.5)
+    if concluded.word == "no_stiction" and seen is not None and concluded.limit is not None:
+        size = f"{rounded(concluded.limit[0]):g} {concluded.limit[1]}"
         weighed = (Ground(f"Dead travel above {size} is excluded by {seen.loss:.0f} nats.", "dead_travel"), *weighed)
-    because = tuple(one.words for one in weighed)[:3] if told.word != "inconclusive" else ()
+    because = tuple(one.words for one in weighed)[:3] if concluded.word != "inconclusive" else ()
     shown: Picture = next((one.picture for one in weighed if one.picture), "")
-    return replace(told, assumptions=_looked_at(loop, view), because=because, picture=shown)
+    return replace(concluded, assumptions=_looked_at(loop, view), because=because, picture=shown)
 
 
 def _travelled(travel: float, unit: str) -> str:
@@ -253,7 +253,7 @@ def _shortcoming(view: View, said: Opinion) -> str:
 
 
 def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
-    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where not, or none is told."""
+    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where not, or it is not known."""
     record = loop.record
     span = record.log.spans.get(record.pv_name)
     if span is None:
@@ -290,20 +290,20 @@ def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool, settled
     return said
 
 
-def _from_stem(told: Verdict, loop: Prepared) -> Answer:
+def _from_stem(by_stem: Verdict, loop: Prepared) -> Answer:
     """The answer that the logged stem gives; no probability, because the stem is seen."""
     unit = "% of OP" if loop.op_percent(1.0) is not None else "% of OP's travel"
     sizes: dict[str, Amount | None] = {}
     for name in ("S", "J"):
-        at = [told.evidence.get(key) for key in (name, f"{name}_low", f"{name}_high")]
+        at = [by_stem.evidence.get(key) for key in (name, f"{name}_low", f"{name}_high")]
         plain = [float(np.asarray(value)) for value in at if value is not None]
         sizes[name] = None
-        if told.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
+        if by_stem.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
-    reason = f"The stem is logged, so the verdict comes from it and not from PV. {told.reason}"
-    return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action, picture="stem_play")
+    reason = f"The stem is logged, so the verdict comes from it and not from PV. {by_stem.reason}"
+    return Answer(by_stem.verdict, None, {}, S, sizes["J"], None, reason, action, picture="stem_play")
 
 
 def _stands(still: Still) -> str:

@@ -32,8 +32,8 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Gr
 
     ``found`` features by name [-]; ``shares`` of them in the log odds [-]; ``sticks`` what the verdict says.
 
-    >>> told = {"travel_gain": 40.0, "network_sticky": 2.0}
-    >>> (only,) = grounds(told, {"travel_gain": 1.5, "network_sticky": -0.2}, True)
+    >>> features = {"travel_gain": 40.0, "network_sticky": 2.0}
+    >>> (only,) = grounds(features, {"travel_gain": 1.5, "network_sticky": -0.2}, True)
     >>> only.words, only.picture
     ('A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).', 'dead_travel')
     """

@@ -79,10 +79,10 @@ def pooled(
     if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
         word = "no_stiction"
     own = [a.word for a in answers]
-    told = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
+    counts = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
     level = f" {LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on." if integrates and word != "stiction" else ""
     reason = (
-        f"{len(answers)} {each} of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
+        f"{len(answers)} {each} of one valve, by themselves {counts}. Together: probability of stiction {chance(p)}, "
         f"{CAUSES[_second(opinion)].spoken} {chance(opinion.causes[_second(opinion)])}.{level} {evidence}"
     )
     S = _size(found, [a.S for a in answers if a.S is not None], unit)

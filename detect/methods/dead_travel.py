@@ -10,8 +10,8 @@ neither a cycle nor a constant set point is needed, and nothing is learnt.  Dead
 5 without the best tenth of the record, over four reversals of the stem, at two of three delays.  It is excluded where
 every S from 0.15 of OP's travel on loses 10 nats, and PV does answer OP, by a straight line (``likelihood.pooled``).
 
-What is found is dead travel: a jump is told only where it gains.  Real sticky valves look much like play, and a linkage
-with play looks like them.  Many days of one valve are pooled by ``likelihood.pooled.evidence_of``.
+What is found is dead travel: a jump is called only where it gains.  Real sticky valves look much like play, and a
+linkage with play looks like them.  Many days of one valve are pooled by ``likelihood.pooled.evidence_of``.
 
 Source: ours; the likelihood is textbook (Ljung, System Identification, 1999).  Not for records drawn by a historian,
 of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.2 s for 750 samples, 0.5 s for 3,000; of a longer

@@ -3,7 +3,7 @@
     y(t) = s * sum over lags k of g(k) x(t - k) + slow load,    g(k) >= 0
 
 The impulse response g is a polygon whose corners stand wider with the lag.  Because they may not change
-sign, any chain of lags and dead time can be told, and a differentiation cannot: with one the model would pass off the
+sign, any chain of lags and dead time can be had, and a differentiation cannot: with one the model would pass off the
 controller, whose inverse turns OP back into PV exactly, for the process.  s is the sign of the process gain.  An
 integrating process has the integral of x in the place of x.  The slow load is a mean, a ramp where the process
 integrates, and cosines too slow for the swing.
@@ -108,8 +108,8 @@ class Lags:
 
     def residual(self, x: Values, response: Response) -> Values:
         """What is left of y, shape (rows,)."""
-        told = response.weights @ self.columns(x[:, None])[0]
-        return np.asarray(self.y - self.sign * self._freed(told))
+        explained = response.weights @ self.columns(x[:, None])[0]
+        return np.asarray(self.y - self.sign * self._freed(explained))
 
 
 def _spread(n: int, rows: int | None) -> npt.NDArray[np.intp]:
