@@ -59,7 +59,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Changes:
-    """All that was compared, what changed most surely first; ``notes`` say what cannot be told.
+    """All that was compared, what changed most surely first; ``notes`` say what stays unknown.
 
     ``of_one`` : whether it is a loop without stick that one record is held against
     """

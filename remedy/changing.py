@@ -9,7 +9,7 @@
 
 What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
 load makes another fit.  Noise, load and level are those that the likeliest loops leave, changed or not.
-Not told: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
+Not known: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
 process at once.
 """
 
