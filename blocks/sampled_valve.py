@@ -37,17 +37,9 @@ class TwoBandValve(SampledValve):
     """A sampled valve with the bands ``S`` and ``J`` [unit of OP]; subclasses give ``kernels`` and ``memory_at``."""
 
     def __init__(
-        self,
-        S: float,
-        J: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
+        self, S: float, J: float, dt: float, *, low: float = 0.0, high: float = 1.0, start: float = 0.0,
+        name: str = "valve", **labels: Any,
+    ) -> None:  # fmt: skip
         super().__init__(
             name=name,
             params={"S": S, "J": J, "low": low, "high": high, "dt": dt},
