@@ -133,6 +133,7 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     tenths = verdict.array("tenths")
     right.bar(np.arange(1, len(tenths) + 1), tenths, color=[INK if value > 0.0 else PALE for value in tenths])
     right.axhline(0.0, color=PALE, lw=0.8)
+    right.set_xticks(range(2, 11, 2))
     right.set_xlabel("tenth of the record")
     right.set_title("where it is gained [nats]", fontsize=9, loc="left")
     for axes in (left, middle, right):
