@@ -52,14 +52,14 @@ def words_of(file, folder, *, pages, beside=False):
     (folder / "one").mkdir()
     (folder / "one" / file.name).write_bytes(file.read_bytes())
     scanned = call(cli, ["scan", str(folder / "one"), "--out", str(folder / "out"), "--workers", "1", "--json", "-"])
-    told = json.loads(checked.stdout)
+    content = json.loads(checked.stdout)
     found = {
         "diagnose": diagnose(record).verdict,
         "diagnose with one method": diagnose(record, [area_ratio]).verdict,
         "compare": compare(record).loops[0].combined,
         "compare with one method": compare(record, [area_ratio]).loops[0].combined,
         "row of a scan": row_of(record)["verdict"],
-        "check": told["verdict"],
+        "check": content["verdict"],
         "table": json.loads(table.stdout)["loops"][0]["combined"],
         "scan": json.loads(scanned.stdout)["loops"][0]["verdict"],
     }
@@ -68,7 +68,7 @@ def words_of(file, folder, *, pages, beside=False):
         title = page[page.index("<title>") : page.index("</title>")]
         found["page"] = next(w for w in WORDS if title.endswith(f": {WORDS[w].spoken}"))
     codes = {checked.exit_code, table.exit_code, scanned.exit_code}
-    assert codes == {int(told["verdict"] == "stiction")}, codes
+    assert codes == {int(content["verdict"] == "stiction")}, codes
     return found
 
 
@@ -105,7 +105,7 @@ def test_loops_of_one_file_have_one_verdict(hidden_valve, tmp_path):
         ],
     }
     found = {
-        how: {one["loop"]: one.get("verdict") or one["combined"] for one in told} for how, told in listed_by.items()
+        how: {one["loop"]: one.get("verdict") or one["combined"] for one in words} for how, words in listed_by.items()
     }
     found["diagnose"] = {one.name: diagnose(one, []).verdict for one in read_loops(hidden_valve)}
     found["diagnose from the log"] = {
@@ -113,7 +113,7 @@ def test_loops_of_one_file_have_one_verdict(hidden_valve, tmp_path):
     }
     asked = {tag: call(cli, ["check", str(hidden_valve), "--loop", tag, "--json", "-"]) for tag in ("LC1", "LC2")}
     found["check of one"] = {tag: json.loads(done.stdout)["verdict"] for tag, done in asked.items()}
-    assert all(told == found["diagnose"] for told in found.values()), found
+    assert all(words == found["diagnose"] for words in found.values()), found
     assert many.exit_code == max(done.exit_code for done in asked.values()) == 0
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert "No valve is called sticky." in page and "as where a valve slips" in page
@@ -125,9 +125,9 @@ def test_cases_have_one_verdict(case, tag):
     (record,) = [one for one in case_named(case, "case").loop_records() if tag is None or one.name.endswith(tag)]
     loop = [] if tag is None else ["--loop", tag]
     done = CliRunner().invoke(cli, ["table", case, *loop, "--method", "area_ratio", "--json", "-"])
-    (told,) = json.loads(done.stdout)["loops"]
-    assert told["combined"] == diagnose(record, []).verdict == compare(record, []).loops[0].combined
-    assert done.exit_code == int(told["combined"] == "stiction")
+    (loop,) = json.loads(done.stdout)["loops"]
+    assert loop["combined"] == diagnose(record, []).verdict == compare(record, []).loops[0].combined
+    assert done.exit_code == int(loop["combined"] == "stiction")
 
 
 def test_what_check_finds_on_the_real_tags():
@@ -187,10 +187,10 @@ def test_reasons_are_drawn_from_what_decided():
     trees = model.trees["sticky"]
     record, _ = simulate([draw(6, 81_200)[0]], 1)[0]
     found = features(Prepared(record))
-    told = sum(model.shares(found).values())
+    total = sum(model.shares(found).values())
     rest = model.platt[0] * (trees.base[0] + trees.expected[trees.root].sum()) + model.platt[1]
     p = model.judge(found).probability
-    assert told + rest == pytest.approx(np.log(p / (1 - p)), abs=1e-4)
+    assert total + rest == pytest.approx(np.log(p / (1 - p)), abs=1e-4)
 
 
 SEEN = {  # what decides on a load that an integrator adds up, with and without a logged stem

@@ -58,9 +58,9 @@ def test_a_sound_week_is_not_accused_and_states_what_it_excludes():
 
 def test_check_and_scan_say_the_same_of_a_week(weak):
     found = answer_over_days(Prepared(weak))
-    told, row = diagnose(weak, []), row_of(weak)
-    assert told.verdict == row["verdict"] == found.word
-    assert told.probability == row["probability"] == found.probability
+    alone, row = diagnose(weak, []), row_of(weak)
+    assert alone.verdict == row["verdict"] == found.word
+    assert alone.probability == row["probability"] == found.probability
 
 
 def test_a_week_whose_stem_is_logged_is_judged_by_it():

@@ -21,9 +21,9 @@ NAMES = {
 
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, names in NAMES.items() for name in names])
 def test_roles_by_name(role, name):
-    told = role_of(name)
-    assert told is not None
-    assert told[1] == role
+    known = role_of(name)
+    assert known is not None
+    assert known[1] == role
 
 
 @pytest.mark.parametrize(

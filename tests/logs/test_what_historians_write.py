@@ -235,8 +235,8 @@ def test_a_mark_that_may_stand_between_thousands_is_said(read):
     whole = [f"{1 + i % 3}.{100 * (i % 7):03d}" if i % 2 else str(900 + i) for i in range(N)]
     record = read(table(clock(), whole))
     assert record.pv[1] == 2.1 and said(record, "'2.100' beside whole numbers is read as 2.1", "--decimal")
-    told = read(table(clock(), whole).replace(",", ";"), decimal=",")
-    assert told.pv[1] == 2100 and not said(told, "beside whole numbers")
+    decimal_comma = read(table(clock(), whole).replace(",", ";"), decimal=",")
+    assert decimal_comma.pv[1] == 2100 and not said(decimal_comma, "beside whole numbers")
 
 
 @pytest.mark.parametrize(

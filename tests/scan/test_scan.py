@@ -56,9 +56,9 @@ def test_processes_give_the_same_bytes(forms, tmp_path) -> None:
 
 def test_a_finished_scan_is_read_and_another_is_refused(forms, tmp_path) -> None:
     first = scan(forms["wide"], tmp_path, workers=1)
-    told = []
-    again = scan(forms["wide"], tmp_path, workers=1, tell=lambda done, total: told.append((done, total)))
-    assert again.table.equals(first.table) and told == [(4, 4)]
+    progress = []
+    again = scan(forms["wide"], tmp_path, workers=1, tell=lambda done, total: progress.append((done, total)))
+    assert again.table.equals(first.table) and progress == [(4, 4)]
     with pytest.raises(ScanError, match="holds another scan"):
         scan(forms["long"], tmp_path, workers=1)
     fresh = scan(forms["long"], tmp_path, workers=1, fresh=True)

@@ -170,9 +170,9 @@ def test_simulate_adds_what_loops_like_this_one_say(call, exports, monkeypatch):
     result = call("check", exports / "FIC101_pi_export.csv", "--simulate", "--json", "-")
     content = document(result.stdout)
     assert_form(content)
-    told = content["simulation"]
-    assert 60 <= told["loops"] <= 120 and sum(told["causes"].values()) == pytest.approx(1.0)
-    assert told["amount"]["S"]["low"] < told["amount"]["S"]["value"] < told["amount"]["S"]["high"]
+    simulated = content["simulation"]
+    assert 60 <= simulated["loops"] <= 120 and sum(simulated["causes"].values()) == pytest.approx(1.0)
+    assert simulated["amount"]["S"]["low"] < simulated["amount"]["S"]["value"] < simulated["amount"]["S"]["high"]
     plain = document(call("check", exports / "FIC101_pi_export.csv", "--no-simulate", "--json", "-").stdout)
     assert {name: content[name] for name in plain} == plain  # simulation stands beside and changes nothing
     plain = document(call("check", exports / "FIC101_pi_export.csv", "--json", "-").stdout)
@@ -199,8 +199,8 @@ def test_an_unsure_record_is_simulated_by_default(call, exports, monkeypatch, op
     content = document(done.stdout)
     assert ("simulation" in content) is asked and done.exit_code == 0
     if asked:
-        told = content["simulation"]
-        assert told["together"] == pytest.approx(together(0.6, told["probability"]))
+        simulated = content["simulation"]
+        assert simulated["together"] == pytest.approx(together(0.6, simulated["probability"]))
 
 
 @pytest.mark.parametrize(
@@ -226,9 +226,9 @@ def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_pat
 
 def test_what_the_user_says_of_pv_is_used(call, exports):
     file = exports / "FIC101_pi_export.csv"
-    told = document(call("check", file, "--measurement", "level", "--json", "-").stdout)
+    stated = document(call("check", file, "--measurement", "level", "--json", "-").stdout)
     plain = document(call("check", file, "--json", "-").stdout)
-    assert told["probability"] != plain["probability"]  # a level integrates
+    assert stated["probability"] != plain["probability"]  # a level integrates
     narrow = document(call("check", file, "--span", "0", "1", "--json", "-").stdout)
     assert narrow["verdict"] == "inconclusive" and "end of its span" in narrow["reason"]
     wrong = call("check", file, "--span", "5", "1")

@@ -16,7 +16,7 @@ def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("loops")
     found = {}
     for name, S, J in (("sticky", 5.0, 1.5), ("sound", 0.0, 0.0)):
-        record = sticky(hours=2.0, S=S, J=J)
+        record = sticky(hours=0.8, S=S, J=J, seed=3)
         found[name] = folder / f"{name}.csv"
         columns = np.column_stack([record.t, record.sp, record.op, record.pv])
         np.savetxt(found[name], columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")

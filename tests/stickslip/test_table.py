@@ -83,8 +83,8 @@ def test_the_kind_of_process_is_handed_on(call, tmp_path):
     rows = "\n".join(f"{t},{40 + t % 7},{50 + t % 5}" for t in range(100))
     (tmp_path / "x.csv").write_text(f"time,PV,OP\n{rows}\n")
     words = ("table", tmp_path / "x.csv", "--method", "area_ratio", "--json", "-")
-    alone, told = (json.loads(call(*words, *more).stdout) for more in ((), ("--process", "integrating")))
-    assert told["loops"][0]["methods"][0]["code"] == "wrong_process_type"
+    alone, stated = (json.loads(call(*words, *more).stdout) for more in ((), ("--process", "integrating")))
+    assert stated["loops"][0]["methods"][0]["code"] == "wrong_process_type"
     assert alone["loops"][0]["methods"][0]["code"] != "wrong_process_type"
 
 
