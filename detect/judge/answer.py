@@ -191,14 +191,14 @@ def _judged(
         weighed = (Ground(f"Dead travel above {size} is excluded by {seen.loss:.0f} nats.", "dead_travel"), *weighed)
     because = tuple(one.words for one in weighed)[:3] if concluded.word != "inconclusive" else ()
     shown: Picture = next((one.picture for one in weighed if one.picture), "")
-    return replace(concluded, assumptions=_looked_at(loop, view), because=because, picture=shown)
+    return replace(concluded, assumptions=_only_the_end(loop, view), because=because, picture=shown)
 
 
 def _travelled(travel: float, unit: str) -> str:
     return f"{rounded(travel):g} {unit.replace('% of OP', '% of its span').replace('the unit of OP', 'its unit')}"
 
 
-def _looked_at(loop: Prepared, view: View) -> tuple[str, ...]:
+def _only_the_end(loop: Prepared, view: View) -> tuple[str, ...]:
     """What is said of a record of which the last part alone was looked at."""
     whole = loop.record.log.duration
     if view.seconds > 0.9 * whole or len(loop.record) <= STEPS_MAX:
