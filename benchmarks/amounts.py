@@ -141,11 +141,11 @@ def measured(place: str) -> tuple[Stated, ...]:
 def _cell(found: Sequence[Stated], size: str) -> str:
     """Least to largest stated size over the true one [%], and in how many of the cases it was stated."""
     asked = [one for one in found if getattr(one.case, size) > 0.0]
-    told = [100.0 * getattr(one, size) / getattr(one.case, size) for one in asked if getattr(one, size) is not None]
-    if not told:
+    shares = [100.0 * getattr(one, size) / getattr(one.case, size) for one in asked if getattr(one, size) is not None]
+    if not shares:
         return f"none of {len(asked)}"
-    low, high = round(min(told)), round(max(told))
-    return f"{low} to {high} % ({len(told)} of {len(asked)})"
+    low, high = round(min(shares)), round(max(shares))
+    return f"{low} to {high} % ({len(shares)} of {len(asked)})"
 
 
 def column(place: str) -> dict[str, dict[str, str]]:

@@ -130,7 +130,7 @@ def main() -> None:
     chosen = options(__doc__.splitlines()[0], PARTS)
     begin_load = os.getloadavg()[0]
     rounds = 3 if chosen.quick else 15
-    with told("an accurate run of LSODA to compare with"):
+    with announced("an accurate run of LSODA to compare with"):
         subject = Subject()
     parts: dict[str, Callable[[], Figures]] = {
         "ours": lambda: our_figures(subject, rounds),
@@ -143,7 +143,7 @@ def main() -> None:
     }
     figures: Figures = {}
     for part in chosen.only:
-        with told(part):
+        with announced(part):
             figures |= parts[part]()
     figures["cores"] = os.cpu_count()
     figures["load"] = f"{begin_load:.2f} {os.getloadavg()[0]:.2f}"
@@ -151,7 +151,7 @@ def main() -> None:
 
 
 @contextmanager
-def told(part: str) -> Iterator[None]:
+def announced(part: str) -> Iterator[None]:
     """Say on standard error that a part of the benchmark begins, and then how long it took."""
     begin = time.perf_counter()
     print(f"{part} ...", file=sys.stderr, flush=True)

@@ -33,10 +33,10 @@ def tags() -> list[tuple[str, str, Tag]]:
     ]
 
 
-def figures(told: Sequence[tuple[str, str, Tag]]) -> Figures:
+def figures(judged: Sequence[tuple[str, str, Tag]]) -> Figures:
     """The counts."""
     words: Mapping[bool, list[str]] = {
-        sticky: [tag.verdict for _, label, tag in told if (label == "stiction") == sticky] for sticky in (True, False)
+        sticky: [tag.verdict for _, label, tag in judged if (label == "stiction") == sticky] for sticky in (True, False)
     }
     return {
         "found": float(words[True].count("stiction")), "cleared": float(words[True].count("no_stiction")),
@@ -50,11 +50,11 @@ def main() -> int:
     if not (DATA / "loops.csv").exists():
         print(f"real records not found at {DATA}; set STICKSLIP_DATA", file=sys.stderr)
         return 2
-    told = tags()
-    for name, label, tag in told:
+    judged = tags()
+    for name, label, tag in judged:
         own = ", ".join(f"{tag.words.count(word)} {word}" for word in dict.fromkeys(tag.words))
         print(f"{name:12}{label:14}{tag.verdict:16}{chance(tag.answer.probability):>6}  by themselves {own}")
-    return 0 if publish(figures(told), NOTES, asked.json, asked.quick) else 1
+    return 0 if publish(figures(judged), NOTES, asked.json, asked.quick) else 1
 
 
 if __name__ == "__main__":

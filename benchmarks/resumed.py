@@ -51,7 +51,7 @@ def code_of(*places: str) -> str:
 def in_turn(runs: Sequence[K]) -> list[K]:
     """Return the runs in an order of which every beginning holds each kind by its share, so that it may stop anywhere.
 
-    Which of a kind comes first is told by a digest of its key: always the same, and of no effect in particular.
+    Which of a kind comes first follows from a digest of its key: always the same, and of no effect in particular.
     """
     of, before = Counter(run.kind for run in runs), Counter[Hashable]()
     place = {}

@@ -124,15 +124,15 @@ def _scanned(source: Path, out: Path) -> tuple[float, Any, float]:
 
     shutil.rmtree(out, ignore_errors=True)
     context = multiprocessing.get_context("spawn")
-    told = context.Queue()
-    process = context.Process(target=_scan, args=(str(source), str(out), told))
+    queue = context.Queue()
+    process = context.Process(target=_scan, args=(str(source), str(out), queue))
     process.start()
-    seconds, peak = told.get()
+    seconds, peak = queue.get()
     process.join()
     return seconds, pl.read_parquet(out / "scan.parquet"), peak
 
 
-def _scan(source: str, out: str, told: Any) -> None:
+def _scan(source: str, out: str, queue: Any) -> None:
     from stickslip.scan import scan
 
     peak, over = [0.0], threading.Event()
@@ -150,7 +150,7 @@ def _scan(source: str, out: str, told: Any) -> None:
     finally:
         over.set()
         watching.join()
-    told.put((seconds, peak[0]))
+    queue.put((seconds, peak[0]))
 
 
 def _resident(first: int) -> float:

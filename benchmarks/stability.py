@@ -112,8 +112,13 @@ def figures(rows: Sequence[Mapping[str, Any]]) -> Figures:
         these = [row for row in rows if row["real"] == real and row["word "] != "not_applicable"]
         if not these:
             continue
-        for told, of in (("turned", _turned), ("changed", _changed), ("given_up", _given_up), ("taken_up", _taken_up)):
-            out[f"{name}_{told}"] = _share(these, VARIANTS, of)
+        for change, of in (
+            ("turned", _turned),
+            ("changed", _changed),
+            ("given_up", _given_up),
+            ("taken_up", _taken_up),
+        ):
+            out[f"{name}_{change}"] = _share(these, VARIANTS, of)
         for variant in VARIANTS:
             out[f"{name}_changed: {variant}"] = _share(these, (variant,), _changed)
         moved = [abs(row[f"p {v}"] - row["p "]) for row in these for v in CROPS if _both(row, v)]
@@ -123,8 +128,8 @@ def figures(rows: Sequence[Mapping[str, Any]]) -> Figures:
         for row in drawn:
             row["p_mean"] = _mean([row[f"p {v}"] for v in ("", *CROPS)])
         for label, key in (("whole record", "p"), ("mean over crops", "p_mean")):
-            told = scored(drawn, key)
-            out |= {f"auc: {label}": told.get("auc"), f"calibration error: {label}": told.get("calibration_error")}
+            scores = scored(drawn, key)
+            out |= {f"auc: {label}": scores.get("auc"), f"calibration error: {label}": scores.get("calibration_error")}
     return out
 
 
@@ -152,11 +157,11 @@ def _both(row: Mapping[str, Any], variant: str) -> bool:
     return row["p "] is not None and row[f"p {variant}"] is not None
 
 
-def _mean(told: Sequence[float | None]) -> float | None:
+def _mean(values: Sequence[float | None]) -> float | None:
     """The probability of the mean log odds; None where the whole record has none."""
-    if told[0] is None:
+    if values[0] is None:
         return None
-    odds = [math.log(q / (1.0 - q)) for p in told if p is not None for q in (min(max(p, 1e-4), 1.0 - 1e-4),)]
+    odds = [math.log(q / (1.0 - q)) for p in values if p is not None for q in (min(max(p, 1e-4), 1.0 - 1e-4),)]
     return 1.0 / (1.0 + math.exp(-float(np.mean(odds))))
 
 
@@ -167,9 +172,9 @@ def main() -> int:
     parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--loops", type=int, default=100)
     parser.add_argument("--folder", type=Path, default=Path("stability_rows"))
-    told = parser.parse_args()
-    asked = [one for one in cases(4) if one.drawn] if told.quick else cases(told.loops)
-    file = told.folder / f"{code_of('detect', 'calibration/crossed', 'benchmarks/other_physics')}.jsonl"
+    given = parser.parse_args()
+    asked = [one for one in cases(4) if one.drawn] if given.quick else cases(given.loops)
+    file = given.folder / f"{code_of('detect', 'calibration/crossed', 'benchmarks/other_physics')}.jsonl"
     rows = []
     for row in resumed(asked, judged, file, 1e9):
         rows.append(row)
@@ -179,7 +184,7 @@ def main() -> int:
         if row["real"]:
             words = ", ".join(f"{v}: {row[f'word {v}']}" for v in VARIANTS if row[f"word {v}"] != row["word "])
             print(f"{row['key']:32}{row['word ']:16}{_percent(row['p ']):>6}  {words}")
-    return 0 if publish(figures(rows), NOTES, told.json, told.quick) else 1
+    return 0 if publish(figures(rows), NOTES, given.json, given.quick) else 1
 
 
 def _percent(p: float | None) -> str:

@@ -266,7 +266,7 @@ def figures(cells: list[Cell], firsts: list[First]) -> Figures:
 
 def notes(cells: list[Cell], firsts: list[First]) -> dict[str, str]:
     """What each figure means, with the words behind it."""
-    told = {
+    words = {
         "cells": "cells of tables 6.1, 6.2 and of slugging",
         "cells_right": f"cells right in 18 of 20 starts, on the plant's own export (goal: at least {len(cells)})",
         "cells_right_of_tags": "the same from the other tags, where the stem positions are not logged",
@@ -274,15 +274,15 @@ def notes(cells: list[Cell], firsts: list[First]) -> dict[str, str]:
         "cells_right_thesis": "the same for the thesis's algorithm",
     }
     for cell in cells:
-        told[f"{cell.name}_right"] = f"{_listed(cell.words)}; thesis right in {cell.thesis_right} of {cell.starts}"
-        told[f"{cell.name}_of_tags"] = _listed(cell.tags)
-        told[f"{cell.name}_without_stem"] = _listed(cell.blind)
+        words[f"{cell.name}_right"] = f"{_listed(cell.words)}; thesis right in {cell.thesis_right} of {cell.starts}"
+        words[f"{cell.name}_of_tags"] = _listed(cell.tags)
+        words[f"{cell.name}_without_stem"] = _listed(cell.blind)
     for first in firsts:
         what = "sticky valve first of all loops (goal: at least 0.9)"
         if first.size == "none":
             what = "no valve pointed at; VLCS1 and VPCS1 have a deadband of 4.8 % here"
-        told[first.name] = f"{what}, {first.starts} starts"
-    return told
+        words[first.name] = f"{what}, {first.starts} starts"
+    return words
 
 
 def _listed(words: Counter[str]) -> str:
@@ -298,7 +298,7 @@ def main() -> None:
     parser.add_argument("--cells", action="store_true", help="the verdicts alone, without surveys")
     chosen = parser.parse_args()
     cells, firsts = measure(QUICK if chosen.quick else chosen.starts, not chosen.cells)
-    found, told = figures(cells, firsts), notes(cells, firsts)
+    found, words = figures(cells, firsts), notes(cells, firsts)
     random = at_random(0 if chosen.cells else 2 if chosen.quick else RANDOM)
     if random.plants:
         found["random_survey"] = random.first / random.plants
@@ -307,13 +307,13 @@ def main() -> None:
         found["random_sticky_slip"] = random.sticky_slip / max(random.sticky, 1)
         found["random_play_slip"] = random.play_slip / max(random.play, 1)
         found["random_free_slip"] = random.free_slip / max(random.free, 1)
-    told["random_survey"] = f"a sticky valve first of all loops in {random.plants} random plants"
-    told["random_banded_survey"] = "a valve first that sticks or has a deadband as wide"
-    told["random_chance"] = "what a ranking by chance would reach there"
-    told["random_sticky_slip"] = f"of {random.sticky} sticky valves whose OP moves, another tag shows that they slip"
-    told["random_play_slip"] = f"the same of {random.play} valves with a deadband and a jump below a tenth of it"
-    told["random_free_slip"] = f"the same of {random.free} valves without friction"
-    publish(found, told, chosen.json, chosen.quick)
+    words["random_survey"] = f"a sticky valve first of all loops in {random.plants} random plants"
+    words["random_banded_survey"] = "a valve first that sticks or has a deadband as wide"
+    words["random_chance"] = "what a ranking by chance would reach there"
+    words["random_sticky_slip"] = f"of {random.sticky} sticky valves whose OP moves, another tag shows that they slip"
+    words["random_play_slip"] = f"the same of {random.play} valves with a deadband and a jump below a tenth of it"
+    words["random_free_slip"] = f"the same of {random.free} valves without friction"
+    publish(found, words, chosen.json, chosen.quick)
 
 
 if __name__ == "__main__":

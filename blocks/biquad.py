@@ -49,18 +49,9 @@ class Biquad(OneToOne):
     offset_param = "offset"
 
     def __init__(
-        self,
-        signal: str,
-        source: str,
-        b: Sequence[float],
-        a: Sequence[float],
-        dt: float,
-        *,
-        offset: float = 0.0,
-        start: float = 0.0,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, source: str, b: Sequence[float], a: Sequence[float], dt: float, *, offset: float = 0.0,
+        start: float = 0.0, unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         name = name or signal
         require(len(b) == 3, name, "b", list(b), "there are three, b_0, b_1 and b_2", "fill up with 0")
         require(len(a) == 2, name, "a", list(a), "there are two, a_1 and a_2, a_0 being 1", "divide by a_0")

@@ -41,15 +41,9 @@ class Deadband(MasslessStem):
     limit_params = ("low", "high")
 
     def __init__(
-        self,
-        width: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
+        self, width: float, *, low: float = 0.0, high: float = 1.0, start: float = 0.0, name: str = "valve",
         **labels: Any,
-    ) -> None:
+    ) -> None:  # fmt: skip
         started_between(low, high, start, name)
         super().__init__(
             name=name,

@@ -42,16 +42,9 @@ class FirstOrder(Delayed):
     lag_param = "tau"
 
     def __init__(
-        self,
-        K: float,
-        tau: float,
-        theta: float = 0.0,
-        *,
-        start: float = 0.0,
-        theta_start: float | None = None,
-        name: str = "process",
-        **labels: Any,
-    ) -> None:
+        self, K: float, tau: float, theta: float = 0.0, *, start: float = 0.0, theta_start: float | None = None,
+        name: str = "process", **labels: Any,
+    ) -> None:  # fmt: skip
         before = (start / K if K else 0.0) if theta_start is None else theta_start
         super().__init__(
             name=name,

@@ -52,17 +52,9 @@ class HeValve(SampledValve):
     kernels = Kernels(step=_step)
 
     def __init__(
-        self,
-        f_s: float,
-        f_d: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
+        self, f_s: float, f_d: float, dt: float, *, low: float = 0.0, high: float = 1.0, start: float = 0.0,
+        name: str = "valve", **labels: Any,
+    ) -> None:  # fmt: skip
         super().__init__(
             name=name,
             params={"f_s": f_s, "f_d": f_d, "low": low, "high": high, "dt": dt},

@@ -43,17 +43,9 @@ class Integrator(Delayed):
     kernels = Kernels(der=_der, linear=True)
 
     def __init__(
-        self,
-        K: float,
-        T: float = 1.0,
-        theta: float = 0.0,
-        *,
-        u_0: float = 0.0,
-        start: float = 0.0,
-        theta_start: float | None = None,
-        name: str = "process",
-        **labels: Any,
-    ) -> None:
+        self, K: float, T: float = 1.0, theta: float = 0.0, *, u_0: float = 0.0, start: float = 0.0,
+        theta_start: float | None = None, name: str = "process", **labels: Any,
+    ) -> None:  # fmt: skip
         before = u_0 if theta_start is None else theta_start
         super().__init__(
             name=name,

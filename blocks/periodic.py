@@ -102,17 +102,9 @@ class Sine(Source):
     kernels = Kernels(out=_sine_out, next_time=_sine_next, feeds=False, timed=True)
 
     def __init__(
-        self,
-        signal: str,
-        amplitude: float = 1.0,
-        period: float = 1.0,
-        *,
-        mean: float = 0.0,
-        phase: float = 0.0,
-        start: float = 0.0,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, amplitude: float = 1.0, period: float = 1.0, *, mean: float = 0.0, phase: float = 0.0,
+        start: float = 0.0, unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         params = {"mean": mean, "amplitude": amplitude, "period": period, "phase": phase, "start": start}
         super().__init__(signal, params, unit=unit, name=name)
 
@@ -134,17 +126,9 @@ class Square(Source):
     kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False, timed=True, linear=True)
 
     def __init__(
-        self,
-        signal: str,
-        amplitude: float = 1.0,
-        period: float = 1.0,
-        *,
-        mean: float = 0.0,
-        start: float = 0.0,
-        duty: float = 0.5,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, amplitude: float = 1.0, period: float = 1.0, *, mean: float = 0.0, start: float = 0.0,
+        duty: float = 0.5, unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         params = {"mean": mean, "amplitude": amplitude, "period": period, "start": start, "duty": duty}
         super().__init__(signal, params, unit=unit, name=name)
 
@@ -165,17 +149,9 @@ class Triangle(Source):
     kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False, timed=True, linear=True)
 
     def __init__(
-        self,
-        signal: str,
-        amplitude: float = 1.0,
-        period: float = 1.0,
-        *,
-        mean: float = 0.0,
-        start: float = 0.0,
-        rise: float = 0.5,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, amplitude: float = 1.0, period: float = 1.0, *, mean: float = 0.0, start: float = 0.0,
+        rise: float = 0.5, unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         params = {"mean": mean, "amplitude": amplitude, "period": period, "start": start, "rise": rise}
         super().__init__(signal, params, unit=unit, name=name)
 
@@ -196,15 +172,7 @@ class Slug(Triangle):
     role = Role.DISTURBANCE
 
     def __init__(
-        self,
-        signal: str,
-        amplitude: float = 1.0,
-        period: float = 1.0,
-        *,
-        mean: float = 0.0,
-        start: float = 0.0,
-        rise: float = 0.8,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, amplitude: float = 1.0, period: float = 1.0, *, mean: float = 0.0, start: float = 0.0,
+        rise: float = 0.8, unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         super().__init__(signal, amplitude, period, mean=mean, start=start, rise=rise, unit=unit, name=name)

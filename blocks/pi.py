@@ -196,23 +196,11 @@ class PI(LimitedController):
     }
 
     def __init__(
-        self,
-        K_p: float,
-        T_i: float = math.inf,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        action: str = "reverse",
-        anti_windup: str = "back_calculation",
-        T_t: float = 0.0,
-        start_op: float | None = None,
-        start_error: float = 0.0,
-        name: str = "controller",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        units: Mapping[str, str] | None = None,
-        spans: Mapping[str, tuple[float, float]] | None = None,
-    ) -> None:
+        self, K_p: float, T_i: float = math.inf, *, low: float = 0.0, high: float = 1.0, action: str = "reverse",
+        anti_windup: str = "back_calculation", T_t: float = 0.0, start_op: float | None = None,
+        start_error: float = 0.0, name: str = "controller", inputs: Labels = None, outputs: Labels = None,
+        units: Mapping[str, str] | None = None, spans: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:  # fmt: skip
         params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name)
         self.anti_windup = anti_windup
         self.kernels = _CONDITIONAL if anti_windup == "conditional" else _PLAIN

@@ -109,16 +109,9 @@ class QuasiStaticStem(MasslessStem):
     limit_params = ("low", "high")
 
     def __init__(
-        self,
-        S: float = 3500.0 / 52500.0,
-        J: float = 1000.0 / 52500.0,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
+        self, S: float = 3500.0 / 52500.0, J: float = 1000.0 / 52500.0, *, low: float = 0.0, high: float = 1.0,
+        start: float = 0.0, name: str = "valve", **labels: Any,
+    ) -> None:  # fmt: skip
         started_between(low, high, start, name)
         super().__init__(
             name=name,

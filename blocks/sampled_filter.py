@@ -45,17 +45,9 @@ class SampledFilter(OneToOne):
     same_unit = True
 
     def __init__(
-        self,
-        signal: str,
-        source: str,
-        tau: float,
-        dt: float,
-        *,
-        offset: float = 0.0,
-        start: float = 0.0,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
+        self, signal: str, source: str, tau: float, dt: float, *, offset: float = 0.0, start: float = 0.0,
+        unit: str = "", name: str = "",
+    ) -> None:  # fmt: skip
         super().__init__(
             signal,
             source,

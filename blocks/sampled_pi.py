@@ -77,27 +77,12 @@ class SampledPI(Block):
     plain_step = staticmethod(_plain_step)
 
     def __init__(
-        self,
-        K_p: float,
-        T_i: float = math.inf,
-        *,
-        dt: float,
-        offset: float = 0.0,
-        low: float = 0.0,
-        high: float = 1.0,
-        action: str = "reverse",
-        anti_windup: str = "back_calculation",
-        integral: str = "previous",
-        T_t: float = 0.0,
-        start_op: float | None = None,
-        start_error: float = 0.0,
-        name: str = "controller",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        units: Mapping[str, str] | None = None,
-        spans: Mapping[str, tuple[float, float]] | None = None,
-        own: Mapping[str, float] | None = None,
-    ) -> None:
+        self, K_p: float, T_i: float = math.inf, *, dt: float, offset: float = 0.0, low: float = 0.0,
+        high: float = 1.0, action: str = "reverse", anti_windup: str = "back_calculation", integral: str = "previous",
+        T_t: float = 0.0, start_op: float | None = None, start_error: float = 0.0, name: str = "controller",
+        inputs: Labels = None, outputs: Labels = None, units: Mapping[str, str] | None = None,
+        spans: Mapping[str, tuple[float, float]] | None = None, own: Mapping[str, float] | None = None,
+    ) -> None:  # fmt: skip
         if integral not in INTEGRAL:
             raise BlockError(f"{name}: integral = {integral!r}; {nearest(str(integral), list(INTEGRAL))}")
         scan = {"dt": dt, "offset": offset, "present": INTEGRAL[integral]}

@@ -27,22 +27,19 @@ class SampledValve(Block):
         """Return the valve without friction, of which slopes are taken."""
         return IdealValve.instead_of(self)
 
+    def unseen(self) -> str:
+        """Return what python-control loses: a solver that steps over samples feeds the loop with an old MV."""
+        dt = float(self.params["dt"])
+        return f"samples within its steps, which are long unless solve_ivp_kwargs={{'max_step': {dt:g}}} is given,"
+
 
 class TwoBandValve(SampledValve):
     """A sampled valve with the bands ``S`` and ``J`` [unit of OP]; subclasses give ``kernels`` and ``memory_at``."""
 
     def __init__(
-        self,
-        S: float,
-        J: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
+        self, S: float, J: float, dt: float, *, low: float = 0.0, high: float = 1.0, start: float = 0.0,
+        name: str = "valve", **labels: Any,
+    ) -> None:  # fmt: skip
         super().__init__(
             name=name,
             params={"S": S, "J": J, "low": low, "high": high, "dt": dt},

@@ -42,17 +42,9 @@ class SecondOrder(Delayed):
     kernels = Kernels(der=_der, linear=True)
 
     def __init__(
-        self,
-        K: float,
-        omega: float,
-        zeta: float,
-        theta: float = 0.0,
-        *,
-        start: float = 0.0,
-        theta_start: float | None = None,
-        name: str = "process",
-        **labels: Any,
-    ) -> None:
+        self, K: float, omega: float, zeta: float, theta: float = 0.0, *, start: float = 0.0,
+        theta_start: float | None = None, name: str = "process", **labels: Any,
+    ) -> None:  # fmt: skip
         before = (start / K if K else 0.0) if theta_start is None else theta_start
         super().__init__(
             name=name,

@@ -108,21 +108,10 @@ class Sensor(Block):
     lag_param = "tau"
 
     def __init__(
-        self,
-        tau: float = 0.0,
-        bias: float = 0.0,
-        factor: float = 1.0,
-        low: float = -math.inf,
-        high: float = math.inf,
-        *,
-        drift: float = 0.0,
-        start: float = 0.0,
-        name: str = "sensor",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        units: Mapping[str, str] | None = None,
-        spans: Mapping[str, tuple[float, float]] | None = None,
-    ) -> None:
+        self, tau: float = 0.0, bias: float = 0.0, factor: float = 1.0, low: float = -math.inf, high: float = math.inf,
+        *, drift: float = 0.0, start: float = 0.0, name: str = "sensor", inputs: Labels = None, outputs: Labels = None,
+        units: Mapping[str, str] | None = None, spans: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:  # fmt: skip
         self.kernels = Kernels(
             out=_lagged_out if tau > 0.0 else _direct_out, der=_der, zc=_zc, jump=limit_transition, n_events=2,
             feeds=not tau > 0.0, timed=True, linear=True,
@@ -178,27 +167,12 @@ class SampledSensor(Seeded):
     offset_param = "offset"
 
     def __init__(
-        self,
-        dt: float,
-        *,
-        sd: float = 0.0,
-        correlation_time: float = 0.0,
-        step: float = 0.0,
-        tau: float = 0.0,
-        bias: float = 0.0,
-        factor: float = 1.0,
-        low: float = -math.inf,
-        high: float = math.inf,
-        drift: float = 0.0,
-        start: float = 0.0,
-        offset: float = 0.0,
-        seed: Seed | None = None,
-        name: str = "sensor",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        units: Mapping[str, str] | None = None,
+        self, dt: float, *, sd: float = 0.0, correlation_time: float = 0.0, step: float = 0.0, tau: float = 0.0,
+        bias: float = 0.0, factor: float = 1.0, low: float = -math.inf, high: float = math.inf, drift: float = 0.0,
+        start: float = 0.0, offset: float = 0.0, seed: Seed | None = None, name: str = "sensor", inputs: Labels = None,
+        outputs: Labels = None, units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         lag = {"tau": tau, "factor": factor, "bias": bias, "drift": drift, "low": low, "high": high}
         at_rest = factor * start + bias
         super().__init__(

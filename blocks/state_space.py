@@ -98,20 +98,10 @@ class StateSpace(Block):
     role = Role.PROCESS
 
     def __init__(
-        self,
-        A: ArrayLike,
-        B: ArrayLike,
-        C: ArrayLike,
-        D: ArrayLike | None = None,
-        dt: float = 0.0,
-        *,
-        start: ArrayLike | None = None,
-        states: tuple[str, ...] = (),
-        name: str = "system",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        **labels: Any,
-    ) -> None:
+        self, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None = None, dt: float = 0.0, *,
+        start: ArrayLike | None = None, states: tuple[str, ...] = (), name: str = "system", inputs: Labels = None,
+        outputs: Labels = None, **labels: Any,
+    ) -> None:  # fmt: skip
         A, B, C, D = _matrices(A, B, C, D, name)
         n, m, q = len(A), B.shape[1], len(C)
         begin = np.zeros(n) if start is None else np.asarray(start, dtype=float).ravel()

@@ -37,21 +37,10 @@ class StemWithMass(Block):
     at_rest = STUCK
 
     def __init__(
-        self,
-        F_s: float,
-        F_c: float,
-        own: Mapping[str, float],
-        own_states: Mapping[str, float] | None = None,
-        *,
-        k: float = 52500.0,
-        M: float = 1.36,
-        F_v: float = 612.0,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
+        self, F_s: float, F_c: float, own: Mapping[str, float], own_states: Mapping[str, float] | None = None, *,
+        k: float = 52500.0, M: float = 1.36, F_v: float = 612.0, low: float = 0.0, high: float = 1.0,
+        start: float = 0.0, name: str = "valve", **labels: Any,
+    ) -> None:  # fmt: skip
         started_between(low, high, start, name)
         super().__init__(
             name=name,

@@ -42,16 +42,9 @@ class StenmanValve(SampledValve):
     kernels = Kernels(step=_step)
 
     def __init__(
-        self,
-        d: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
+        self, d: float, dt: float, *, low: float = 0.0, high: float = 1.0, start: float = 0.0, name: str = "valve",
         **labels: Any,
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(
             name=name,
             params={"d": d, "low": low, "high": high, "dt": dt},

@@ -113,17 +113,9 @@ derivatives of its input; give den at least the degree of num, for example with 
     ports_out = (Port("y"),)
 
     def __init__(
-        self,
-        num: ArrayLike,
-        den: ArrayLike,
-        dt: float = 0.0,
-        *,
-        start: float = 0.0,
-        name: str = "system",
-        inputs: Labels = None,
-        outputs: Labels = None,
-        **labels: Any,
-    ) -> None:
+        self, num: ArrayLike, den: ArrayLike, dt: float = 0.0, *, start: float = 0.0, name: str = "system",
+        inputs: Labels = None, outputs: Labels = None, **labels: Any,
+    ) -> None:  # fmt: skip
         b, a = coefficients(num, den, name)
         n = len(a) - 1
         w, c = _scales(a) if not dt else (1.0, 1.0)

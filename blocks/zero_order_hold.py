@@ -43,16 +43,9 @@ class ZeroOrderHold(OneToOne):
     same_unit = True
 
     def __init__(
-        self,
-        signal: str,
-        source: str,
-        dt: float,
-        *,
-        offset: float = 0.0,
-        start: float = 0.0,
-        unit: str = "",
+        self, signal: str, source: str, dt: float, *, offset: float = 0.0, start: float = 0.0, unit: str = "",
         name: str = "",
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(signal, source, {"dt": dt, "offset": offset}, start_output=[start], unit=unit, name=name)
 
     @staticmethod

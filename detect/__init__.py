@@ -82,30 +82,11 @@ __all__ = [
 ]
 
 METHODS: tuple[Method, ...] = (
-    area_ratio,
-    bicoherence,
-    change_no_change,
-    cross_correlation,
-    curve_fit,
-    dead_travel,
-    derivative_histogram,
-    dtw_shapes,
-    hagglund2011,
-    hammerstein,
-    harmonics,
-    high_passed_pv,
-    parallelogram,
-    play_fit,
-    qualitative_movements,
-    qualitative_shapes,
-    relay_fit,
-    second_difference_kurtosis,
-    segmentation,
-    shifted_pv,
-    stem_play,
-    surrogates,
+    area_ratio, bicoherence, change_no_change, cross_correlation, curve_fit, dead_travel, derivative_histogram,
+    dtw_shapes, hagglund2011, hammerstein, harmonics, high_passed_pv, parallelogram, play_fit, qualitative_movements,
+    qualitative_shapes, relay_fit, second_difference_kurtosis, segmentation, shifted_pv, stem_play, surrogates,
     window_tests,
-)
+)  # fmt: skip
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (

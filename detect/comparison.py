@@ -103,9 +103,9 @@ class Comparison(Shown):
     @property
     def headline(self) -> str:
         """The result in one line."""
-        told = ", ".join(f"{judged.loop} {WORDS[judged.combined].spoken}" for judged in self.loops)
+        verdicts = ", ".join(f"{judged.loop} {WORDS[judged.combined].spoken}" for judged in self.loops)
         methods = max((len(judged.verdicts) for judged in self.loops), default=0)
-        return f"{methods} methods on {len(self.loops)} loop{'s' * (len(self.loops) != 1)}: {told}"
+        return f"{methods} methods on {len(self.loops)} loop{'s' * (len(self.loops) != 1)}: {verdicts}"
 
     def rows(self) -> list[list[str]]:
         """One row of text a loop and method, as in ``COLUMNS``."""

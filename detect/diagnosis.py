@@ -10,6 +10,7 @@ from stickslip.detect.chances import chance
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
 from stickslip.detect.judge.combine import Combine
+from stickslip.detect.judge.grounds import Picture
 from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.judge.pooled import pooled
 from stickslip.detect.judge.voted import beside, voted
@@ -67,6 +68,9 @@ class Diagnosis(Shown):
         Half of the width that holds 90 % of PV [unit of PV].
     because : tuple of str
         Up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was seen.
+    picture : str
+        What decided, and so is drawn: "learnt" (the pattern that the model knows), "dead_travel", "stem_play", "slips"
+        or "still_stem"; "" where nothing did.
     """
 
     loop: str
@@ -85,6 +89,7 @@ class Diagnosis(Shown):
     period: float | None = None
     amplitude: float | None = None
     because: tuple[str, ...] = ()
+    picture: Picture = ""
 
     @property
     def headline(self) -> str:
@@ -120,7 +125,7 @@ class Diagnosis(Shown):
         }
 
     def plot(self, words: bool = True) -> Figure:
-        """Trend of SP, PV and OP, the PV-OP curve, and the evidence of the first method that can draw it.
+        """Trend of SP, PV and OP, the PV-OP curve, and what decided the verdict.
 
         ``words=False`` leaves verdict and reason to the text around the picture.
         """
@@ -176,6 +181,7 @@ def diagnose(
         period=loop.period if loop.gate.oscillating else None,
         amplitude=amplitude(record.pv),
         because=found.because,
+        picture=found.picture,
     )
 
 

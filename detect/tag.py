@@ -57,8 +57,8 @@ class Tag(Shown):
         found = []
         for i, (name, word) in enumerate(zip(self.records, self.words, strict=True)):
             day = self._days.get(i)
-            told = ["-"] * 4 if day is None else [f"{day.S:.2g}", f"{day.gain:.3g}", f"{day.adds:.3g}", str(day.turns)]
-            found.append([name, WORDS[word].spoken, *told])
+            cells = ["-"] * 4 if day is None else [f"{day.S:.2g}", f"{day.gain:.3g}", f"{day.adds:.3g}", str(day.turns)]
+            found.append([name, WORDS[word].spoken, *cells])
         return found
 
     @property

@@ -193,7 +193,7 @@ def _score(one: Outcome, none: Outcome) -> float:
 
 
 def remedies(fit: LoopFit, progress: Say = _quiet) -> Advice:
-    """Return what each remedy would do to a fitted loop, and which to take; ``progress`` is told what is done.
+    """Return what each remedy would do to a fitted loop, and which to take; ``progress`` hears what is done.
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky

@@ -59,10 +59,14 @@ class Change:
 
 @dataclass(frozen=True)
 class Changes:
-    """All that was compared, what changed most surely first; ``notes`` say what cannot be told."""
+    """All that was compared, what changed most surely first; ``notes`` say what stays unknown.
+
+    ``of_one`` : whether it is a loop without stick that one record is held against
+    """
 
     compared: tuple[Change, ...]
     notes: tuple[str, ...]
+    of_one: bool = False
 
     @property
     def changed(self) -> tuple[Change, ...]:
@@ -77,6 +81,11 @@ class Changes:
     @property
     def words(self) -> tuple[str, ...]:
         """The answer in sentences."""
+        if self.of_one:
+            (stick,) = self.compared
+            if not self.gap:
+                return ("A loop without stick explains the record as well as one with it.",)
+            return (f"{WORDS['stiction']} is {stick.later} {stick.unit}; without it the record is not explained.",)
         if not self.gap:
             return ("Nothing has changed beyond what the two records leave unsure.",)
         return tuple(one.words() for one in self.changed)

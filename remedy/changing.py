@@ -9,7 +9,7 @@
 
 What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
 load makes another fit.  Noise, load and level are those that the likeliest loops leave, changed or not.
-Not told: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
+Not known: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
 process at once.
 """
 
@@ -87,7 +87,8 @@ def lacks(found: LoopFit) -> Changes:
     none, ratio = Size(0.0, 0.0, 0.0), Size(None, None, None, "none before")
     probability = 1.0 / (1.0 + math.exp(-min(max(found.gain, -50.0), 50.0) + 10.0))
     stick = Change("stiction", none, found.S, ratio, max(found.gain, 0.0), probability, found.sticks, found.op_unit)
-    return Changes((stick,), (f"A loop with stick tells PV better than one without by {found.gain:.0f} nats.",))
+    note = f"A loop with stick predicts PV better than one without by {found.gain:.0f} nats."
+    return Changes((stick,), (note,), of_one=True)
 
 
 def _change(

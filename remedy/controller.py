@@ -7,7 +7,7 @@ That is the law whose integral takes in the error of the last scan.  One that ta
 with other numbers: K_p and T_i of that one read as K_p (1 + dt/T_i) and T_i + dt.
 A line through all rows in which OP stands at no limit; m is chosen so that K_p and K_p/T_i are known best: short
 spans suit a log of every scan, long ones a log that is rounded or coarser than the scan.  Without SP its level is one
-more unknown.  A derivative, or a first-order filter of PV in its place, is told where it leaves a tenth less.
+more unknown.  A derivative, or a first-order filter of PV in its place, is taken where it leaves a tenth less.
 Source: textbook, the velocity form (Astrom and Hagglund, Advanced PID Control, 2006, section 3.6).
 """
 
@@ -36,7 +36,7 @@ class Controller:
 
     K_p : signed, positive where OP falls with PV [unit of OP / unit of PV];  T_i, T_d, dt : [s];  T_i = inf: none
     K_p_sd, rate_sd : standard deviations of K_p and of K_p/T_i;  low, high : limits of OP [its unit]
-    told : share of OP's moves that the law tells;  T_f : of a first-order filter of PV [s]
+    explained : share of OP's moves that the law tells;  T_f : of a first-order filter of PV [s]
     """
 
     K_p: float
@@ -45,7 +45,7 @@ class Controller:
     dt: float
     low: float
     high: float
-    told: float
+    explained: float
     K_p_sd: float
     rate_sd: float
     T_f: float = 0.0
@@ -82,7 +82,7 @@ def _runs(at: NDArray[np.bool_]) -> bool:
 
 
 def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: tuple[float, float]) -> Controller:
-    """The law that OP (n,) follows on an even grid of ``dt`` [s]; its ``told`` says how well.
+    """The law that OP (n,) follows on an even grid of ``dt`` [s]; its ``explained`` says how well.
 
     >>> e = np.random.default_rng(1).normal(size=500)
     >>> op = 2.0 * e + np.concatenate([[0.0], np.cumsum(2.0 * e / 10.0)[:-1]])
@@ -96,20 +96,20 @@ def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: 
     found = [one for m in SPANS if 8 * m < len(op) if (one := _line(op, e, None, free, dt, m, sp))]
     if not found:
         return Controller(math.nan, math.inf, 0.0, dt, *limits, 0.0, math.nan, math.nan)
-    _, b, sd, told, m, left = min(found, key=lambda one: one[0])
+    _, b, sd, explained, m, left = min(found, key=lambda one: one[0])
     T_d = T_f = 0.0
     more = _line(op, e, slope, free, dt, m, sp)
     if more and more[5] < LESS * left and more[1][2] * more[1][0] < 0.0:
-        _, b, sd, told, _, left = more
+        _, b, sd, explained, _, left = more
         T_d = float(-b[2] / b[0])
-    smooth, late = _filtered(op, pv, free, dt, m, sp) if told < EXACT else (None, 0.0)
+    smooth, late = _filtered(op, pv, free, dt, m, sp) if explained < EXACT else (None, 0.0)
     if smooth and smooth[5] < LESS * left:
-        _, b, sd, told, _, _ = smooth
+        _, b, sd, explained, _, _ = smooth
         T_d, T_f = 0.0, late
     K_p, rate = float(b[0]), float(b[1])
     integrates = rate * K_p > 0.0 and abs(rate) > 3.0 * sd[1]
     return Controller(
-        K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, told, float(sd[0]), float(sd[1]), T_f
+        K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, explained, float(sd[0]), float(sd[1]), T_f
     )
 
 
@@ -140,7 +140,7 @@ def _filtered(
 def _line(
     op: Floats, e: Floats, slope: Floats | None, free: NDArray[np.bool_], dt: float, m: int, sp: Floats | None
 ) -> _Line | None:
-    """How badly gain and rate are known, coefficients, their spread, share told, m, and what is left."""
+    """How badly gain and rate are known, coefficients, their spread, share explained, m, and what is left."""
     total = np.concatenate([[0.0], np.cumsum(e)[:-1]]) * dt  # without the error of the row itself
     integral = total[m:] - total[:-m]
     columns = [e[m:] - e[:-m], integral]
@@ -164,9 +164,11 @@ def _line(
     variance = float(np.mean(left**2)) * m / len(left)
     sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(y) / np.outer(size, size))), 0.0)) / size
     b = b / size
-    told = max(1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0)
+    explained = max(
+        1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0
+    )
     known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
-    return float(known), b, sd, told, m, float(np.mean(left**2))
+    return float(known), b, sd, explained, m, float(np.mean(left**2))
 
 
 def series(law: Controller) -> tuple[float, float, float]:

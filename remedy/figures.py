@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
-from stickslip.remedy.process import told
+from stickslip.remedy.process import predicted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +20,7 @@ SHOWN = 12.0  # turns of OP in a picture
 def plot_fit(fit: LoopFit) -> Figure:
     """OP with the likeliest stem; PV with what the loop foretells one row ahead, and with its stem alone."""
     day, noise = fit.days[0], fit.found.noises[0]
-    shown = told(fit.days, fit.best, fit.found.noises).shown[0]
+    shown = predicted(fit.days, fit.best, fit.found.noises).shown[0]
     n = shown.shape[1]
     part = slice(max(0, n - max(int(SHOWN * day.between), 200)), n)
     rows = slice(part.start // day.q, None)

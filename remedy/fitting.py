@@ -22,7 +22,7 @@ from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
-from stickslip.remedy.process import Day, day_of, told
+from stickslip.remedy.process import Day, day_of, predicted
 from stickslip.remedy.search import best_with, best_without
 
 __all__ = ["FitError", "fit"]
@@ -43,7 +43,7 @@ def _quiet(_: str) -> None:
 def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed: int = 0) -> LoopFit:
     """Return the loop fitted to a record, or to several of one loop, which are pooled.
 
-    ``progress`` is told what is done; ``seed`` of the ensemble.  Raises ``FitError`` where the record is too
+    ``progress`` hears what is done; ``seed`` of the ensemble.  Raises ``FitError`` where the record is too
     short, OP or PV stands, or OP does not follow SP and PV.
 
     >>> from stickslip.logs import LoopRecord
@@ -78,15 +78,15 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     limits = limits_of(np.concatenate([day.op for day in days]), span)
     main = max(days, key=lambda day: len(day.op))
     law = controller_of(main.op, main.pv, main.sp, main.dt, limits)
-    if not law.told >= LEAST or law.K_p == 0.0:
+    if not law.explained >= LEAST or law.K_p == 0.0:
         raise FitError(
-            f"a PI law tells {100 * law.told:.0f} % of how OP moves ({100 * LEAST:.0f} % are needed); log the "
+            f"a PI law tells {100 * law.explained:.0f} % of how OP moves ({100 * LEAST:.0f} % are needed); log the "
             "controller's own OP and SP at its scan, in automatic, without compression"
         )
     if main.sp is None:
         notes.append("SP is not logged; it is taken to stand.")
-    if law.told < 0.9:
-        notes.append(f"The PI law tells {100 * law.told:.0f} % of how OP moves; settings are as unsure.")
+    if law.explained < 0.9:
+        notes.append(f"The PI law tells {100 * law.explained:.0f} % of how OP moves; settings are as unsure.")
     progress("fitting the process without stick")
     kind = kind_of_tag(given[0]).integrating  # of the data, the likelihood of the whole loop says more
     without = best_without(days, kind, math.copysign(1.0, law.K_p))
@@ -107,7 +107,7 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     lefts = tuple(
         tuple(
             day.pv[: own.shape[1]] - one.K * own[1]
-            for own, day in zip(told(days, one, best.noises).shown, days, strict=True)
+            for own, day in zip(predicted(days, one, best.noises).shown, days, strict=True)
         )
         for one in likely
     )

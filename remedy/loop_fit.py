@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["LoopFit", "Size"]
 
 Floats = NDArray[np.float64]
-WIDE, NARROW = 3.0, 2.0  # high over low: K and J are not told beyond the one, K J is told within the other
+WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
 WIDER = 1.8  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
 
 
@@ -43,7 +43,7 @@ class Size:
 
     def __str__(self) -> str:
         if self.value is None:
-            return f"not told: {self.reason}"
+            return f"not known: {self.reason}"
         if self.low is None or self.high is None:
             return f"{self.value:.3g}"
         return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
@@ -143,7 +143,7 @@ class LoopFit(Shown):
 
     @cached_property
     def KJ(self) -> Size:
-        """How far PV goes after a slip, K J [unit of PV]: told where K and J alone are not."""
+        """How far PV goes after a slip, K J [unit of PV]: known where K and J alone are not."""
         return size_of(self.each("K") * self.each("J"))
 
     def _only_product(self, key: str) -> str:
@@ -225,7 +225,7 @@ class LoopFit(Shown):
             "controller": {
                 "form": law.form, "K_p": K_p.to_dict(), "T_i": T_i.to_dict(), "T_d": T_d.to_dict(),
                 "T_f": T_f.to_dict(),
-                "scan": law.dt, "low": _finite(law.low), "high": _finite(law.high), "told": law.told,
+                "scan": law.dt, "low": _finite(law.low), "high": _finite(law.high), "explained": law.explained,
             },
             "process": {
                 "K": self.K.to_dict(), "KJ": self.KJ.to_dict(), "tau": self.tau.to_dict(),

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
 
-__all__ = ["Day", "Found", "Loop", "Told", "day_of", "profiled", "settled", "start_noise", "told"]
+__all__ = ["Day", "Found", "Loop", "Predicted", "day_of", "predicted", "profiled", "settled", "start_noise"]
 
 Floats = NDArray[np.float64]
 MOST = 2_400  # rows that a likelihood looks at
@@ -89,7 +89,7 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class Predicted:
     """What a loop says of the days: ``nll`` [nats]; of each day the mean stem and the answer with K = 1, (2, n)."""
 
     nll: float
@@ -121,7 +121,7 @@ def _random(samples: int, stems: int) -> Floats:
     return np.random.default_rng(samples).normal(size=(2, samples + 64, stems))
 
 
-def told(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Told:
+def predicted(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Predicted:
     """The likelihood of the days with a loop and the noise that each day has; ``draw`` of the bank's random numbers."""
     from stickslip.remedy.bank import STEMS, passed
 
@@ -136,7 +136,7 @@ def told(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) 
         )  # fmt: skip
         nll -= found
         shown.append(own)
-    return Told(nll, tuple(shown))
+    return Predicted(nll, tuple(shown))
 
 
 def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int = 3) -> tuple[Loop, list[Left], float]:
@@ -168,8 +168,8 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int
 
 def profiled(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Found:
     """The loop with the gain and the noise that its likely path asks for; ``draw`` of the bank's random numbers."""
-    found, after, _ = settled(days, one, told(days, one, noises, draw).shown)
-    return Found(found, tuple(after), told(days, found, after, draw).nll)
+    found, after, _ = settled(days, one, predicted(days, one, noises, draw).shown)
+    return Found(found, tuple(after), predicted(days, found, after, draw).nll)
 
 
 def start_noise(days: Sequence[Day], integrating: bool = False) -> list[Left]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.left import Left
-from stickslip.remedy.process import Day, Found, Loop, profiled, settled, start_noise, told
+from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
 
 __all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "half_wave"]
 
@@ -33,10 +33,10 @@ LONGEST = 100.0  # rows of dead time: each stem of the bank remembers as many
 
 def _weighed(days: Sequence[Day], one: Loop, noises: Sequence[Left], rounds: int = 2) -> Found:
     """The loop with the gain and the noise that go with it."""
-    said, best = told(days, one, noises), Found(one, tuple(noises), WORSE)
+    said, best = predicted(days, one, noises), Found(one, tuple(noises), WORSE)
     for _ in range(rounds):
         one, noises, _ = settled(days, one, said.shown)
-        said = told(days, one, noises)
+        said = predicted(days, one, noises)
         best = min(best, Found(one, tuple(noises), said.nll), key=lambda found: found.nll)
     return best
 

@@ -1,4 +1,4 @@
-"""Two times of one loop told together: valve and process are shared but for one named part, and what that part gains.
+"""Two times of one loop predicted together: valve and process are shared but for one part, and what that part gains.
 
     gain(part) = nll(all shared) - nll(all shared but the part)                    [nats]
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
-from stickslip.remedy.process import Loop, settled, told
+from stickslip.remedy.process import Loop, predicted, settled
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
@@ -66,11 +66,11 @@ class Pair:
         picked = [[fit.loops[int(i)] for i in np.linspace(0, len(fit.loops) - 1, STARTS)] for fit in fits]
         self._starts = [(side, _sticking(one, small)) for side in (0, 1) for one in picked[side]]
         noises: Noises = (earlier.found.noises, later.found.noises)
-        begun = _best(self._told((one, one), noises) for _, one in self._starts)
+        begun = _best(self._predicted((one, one), noises) for _, one in self._starts)
         begun = self._better(begun)
         own = {part: self._better(self._begun(part, begun), part) for part in PARTS}
         likely = _best(own.values())
-        again = self._better(_best(self._told((one, one), likely.noises) for one in likely.loops))
+        again = self._better(_best(self._predicted((one, one), likely.noises) for one in likely.loops))
         self.shared = self._weighed(_best((begun, again)))
         self.own = {part: self._weighed(one, part) for part, one in own.items()}
 
@@ -84,7 +84,7 @@ class Pair:
         return [
             [
                 day.pv[: own.shape[1]] - loop.K * (own[1] + (0.0 if loop.integrating else day.op[0] - middle))
-                for day, own in zip(days, told(days, loop, noise).shown, strict=True)
+                for day, own in zip(days, predicted(days, loop, noise).shown, strict=True)
             ]
             for days, loop, noise in zip(self._sides, one.loops, one.noises, strict=True)
         ]
@@ -101,20 +101,20 @@ class Pair:
             at[free] = coordinates(other, self._time)[free]
             mixed = at_coordinates(one, at, self._time, self.scan)
             if mixed is not None:
-                tried.append(self._told((mixed, one) if side else (one, mixed), shared.noises, part))
+                tried.append(self._predicted((mixed, one) if side else (one, mixed), shared.noises, part))
         return _best(tried)
 
-    def _told(self, loops: tuple[Loop, Loop], noises: Noises, part: str = "", draw: int = 0) -> Together:
+    def _predicted(self, loops: tuple[Loop, Loop], noises: Noises, part: str = "", draw: int = 0) -> Together:
         """Both times with these loops; gain and noise follow."""
         both = list(zip(self._sides, loops, noises, strict=True))
-        shown = [told(days, one, noise, draw).shown for days, one, noise in both]
+        shown = [predicted(days, one, noise, draw).shown for days, one, noise in both]
         if part == GAIN:
             done = [settled(days, one, own)[:2] for (days, one, _), own in zip(both, shown, strict=True)]
         else:
             one, left, _ = settled((*self._sides[0], *self._sides[1]), loops[0], (*shown[0], *shown[1]))
             first = len(self._sides[0])
             done = [(one, left[:first]), (replace(loops[1], K=one.K), left[first:])]
-        nll = sum(told(days, *own, draw).nll for days, own in zip(self._sides, done, strict=True))
+        nll = sum(predicted(days, *own, draw).nll for days, own in zip(self._sides, done, strict=True))
         return Together((done[0][0], done[1][0]), (tuple(done[0][1]), tuple(done[1][1])), nll)
 
     def _better(self, start: Together, part: str = "") -> Together:
@@ -137,7 +137,7 @@ class Pair:
             ]
             if pair[0] is None or pair[1] is None:
                 return WORSE
-            found = self._told((pair[0], pair[1]), best.noises, part)
+            found = self._predicted((pair[0], pair[1]), best.noises, part)
             best = _best((best, found))
             return found.nll
 
@@ -149,7 +149,10 @@ class Pair:
     def _weighed(self, one: Together, part: str = "") -> Together:
         """The same loops, by the mean of their likelihood over draws that did not serve to find them."""
         return replace(
-            one, nll=float(np.mean([self._told(one.loops, one.noises, part, draw).nll for draw in range(1, DRAWS + 1)]))
+            one,
+            nll=float(
+                np.mean([self._predicted(one.loops, one.noises, part, draw).nll for draw in range(1, DRAWS + 1)])
+            ),
         )
 
 

@@ -31,6 +31,7 @@ Read = tuple[str, LoopRecord | str, str]  # name of a loop, its record or why th
 
 PARQUET = (".parquet", ".pq")
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".gz", ".zip", ".xlsx", ".xlsm")
+QUERY = "duckdb:"  # in front of a query in place of a file
 JOB_LOOPS = 25  # loops read at once from one file: 25 of three signals and 7,200 samples take 5 MB
 JOB_CELLS = 10_000_000  # numbers read at once from one file, 80 MB
 JOB_FILES = 8
@@ -140,7 +141,7 @@ def source_of(given: str | os.PathLike[str], kept: Path, mapped: tuple[LoopTags,
     Raises ReadError if there is no such source or it holds no loop.
     """
     text = os.fspath(given)
-    if text.startswith("duckdb:"):
+    if text.startswith(QUERY):
         return _of_query(text, kept, mapped)
     path = Path(text)
     if path.is_dir():
@@ -215,7 +216,7 @@ def _of_query(name: str, kept: Path, mapped: tuple[LoopTags, ...]) -> Source:
         raise ReadError(
             f"{name[:60]}: queries need DuckDB, which is not installed: pip install 'stickslip[historian]'"
         ) from None
-    query = name.removeprefix("duckdb:").strip().rstrip(";")
+    query = name.removeprefix(QUERY).strip().rstrip(";")
     digest = hashlib.sha256(query.encode()).hexdigest()[:16]
     target = kept / f"query-{digest}.parquet"
     if not target.exists():
@@ -249,6 +250,8 @@ def _of_parquet(name: str, path: Path, identity: Mapping[str, Any], mapped: tupl
     found = {tags.loop: tags.columns for tags in mapped} or columns_of_loops(names)
     if not found:
         raise ReadError(f"{name}: no tag has both a PV and an output; name the loops in a map (--map loops.csv)")
+    if list(found) == [""] and not name.startswith(QUERY):  # the columns name no loop: the file does
+        return Source(name, (Job("file", (name,)),), identity)
     rows = pl.scan_parquet(path).select(pl.len()).collect().item()
     widest = 1 + max(map(len, found.values()))
     try:

@@ -62,9 +62,9 @@ def ratio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def test_the_detector_judges_loops_from_the_command_line(ratio: Path) -> None:
     export = str(EXPORTS / "FIC101_pi_export.csv")
-    told = CliRunner().invoke(cli, ["table", export, "--method", f"{ratio}:detect", "--json", "-"])
-    assert told.exit_code in (0, 1), told.output
-    assert "The ratio is" in told.output
+    done = CliRunner().invoke(cli, ["table", export, "--method", f"{ratio}:detect", "--json", "-"])
+    assert done.exit_code in (0, 1), done.output
+    assert "The ratio is" in done.output
 
 
 def test_the_detector_stands_beside_the_methods_in_python(ratio: Path) -> None:

@@ -6,9 +6,12 @@ import warnings
 from pathlib import Path
 
 import control as ct
+import numpy as np
 import pytest
+from stickslip.blocks import PI, ChoudhuryValve, FirstOrder, HeValve, Step
 from stickslip.detect import blocks as detectors
-from stickslip.diagram import unseen
+from stickslip.diagram import simulate, unseen, wire
+from stickslip.logs.oscillation import oscillation
 
 from stickslip.commands.blocks import BLOCKS
 
@@ -64,6 +67,20 @@ def test_a_warning_comes_once_for_each_kind_of_block(monkeypatch):
     (said,) = warned(control_table.TRIALS["LuGreStem"].diagram())
     assert "the end stops of LuGreStem 'valve'" in said
     assert warned(control_table.TRIALS["StickSlip"].diagram()) == []  # nothing is lost
+
+
+@pytest.mark.parametrize("valve", [ChoudhuryValve(0.05, 0.02, 0.5), HeValve(0.03, 0.01, 0.5)], ids=["Choudhury", "He"])
+def test_a_sampled_valve_cycles_in_a_loop_where_no_step_is_longer_than_its_period(valve, monkeypatch):
+    monkeypatch.setattr(unseen, "WARNED", set())
+    parts = [Step("SP", 0.2, before=0.15, at=20.3), PI(K_p=1.5, T_i=6.0), valve, FirstOrder(1.0, 10.0)]
+    loop = wire(parts, outputs=["PV"])
+    ours = simulate(loop, 600.0, every=0.1).log
+    late = ours.t > 250.0
+    with pytest.warns(unseen.UnseenWarning, match="max_step': 0.5"):
+        seen = ct.input_output_response(loop, ours.t, 0, loop.x0, solve_ivp_kwargs={"max_step": 0.5})
+    mine, theirs = (oscillation(ours.t[late], np.asarray(pv)[late]) for pv in (ours["PV"], np.ravel(seen.outputs)))
+    assert theirs.amplitude == pytest.approx(mine.amplitude, rel=0.3)
+    assert theirs.period == pytest.approx(mine.period, rel=0.5), "of its kind, not the same"
 
 
 def test_slopes_warn_of_nothing(monkeypatch):

@@ -2,7 +2,7 @@
 
     python -m benchmarks.detect.cost [--quick] [--json FILE]
 
-Five loops, each in its worst light for some method: a sticky flow loop whose process is told and not told, one of slow
+Five loops, each in its worst light for some method: a sticky flow loop with its process known or not, one of slow
 period, one under set-point moves, a level.  A figure is the worst of the five, each the best of three.  The growth is
 the slope of log(time) over log(samples), 3,600 to 28,800, and a fleet is judged sensibly where it is 1 or little more.
 Processor time, not wall time, because neighbours on the machine make wall time a matter of luck.

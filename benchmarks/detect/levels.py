@@ -24,9 +24,9 @@ LOOPS: dict[Kinds, int] = {"levels": 400, "usual": 1000}
 ALLOWED = 0.02  # of the loops without stiction, as everywhere
 
 NOTES = {
-    "level_false_alarms": "levels that a deadband makes cycle, told to be levels, called sticky (goal: at most 0.02)",
+    "level_false_alarms": "levels that a deadband makes cycle, known to be levels, called sticky (goal: at most 0.02)",
     "level_false_alarms_before": "the same by the limit of all other loops",
-    "level_found": "sticky valves found in loops told to integrate",
+    "level_found": "sticky valves found in loops known to integrate",
     "level_found_before": "the same by the limit of all other loops",
     "level_coverage": "sticky valves found in all loops",
     "level_coverage_before": "the same by the limit of all other loops",
@@ -35,10 +35,10 @@ NOTES = {
 
 
 class Seen(NamedTuple):
-    """A loop: whether it sticks, is told to integrate, is called, is kept open as a level alone, and how probable."""
+    """A loop: whether it sticks, is known to integrate, is called, is kept open as a level alone, and how probable."""
 
     sticky: bool
-    told: bool
+    integrates: bool
     called: bool
     kept: bool
     p: float
@@ -50,9 +50,9 @@ def seen(kinds: Kinds, n: int) -> list[Seen]:
     for record, truth in simulate(draw(n, SEEDS[kinds], kinds=kinds), 1):
         said = answer(Prepared(record))
         p = said.probability if said.probability is not None else float(said.word == "stiction")
-        told = record.process == "integrating"
+        integrates = record.process == "integrating"
         kept = LEVELS_CYCLE in said.reason
-        found.append(Seen(truth.cause == "stiction", told, said.word == "stiction", kept, p))
+        found.append(Seen(truth.cause == "stiction", integrates, said.word == "stiction", kept, p))
     return found
 
 
@@ -65,7 +65,7 @@ def figures(quick: bool = False) -> Figures:
     """Return all figures."""
     part = 20 if quick else 1
     levels, usual = (seen(kinds, LOOPS[kinds] // part) for kinds in ("levels", "usual"))
-    told = [one for one in levels if one.told]
+    known = [one for one in levels if one.integrates]
     sticky = [one for one in usual if one.sticky]
 
     def before(one: Seen) -> bool:
@@ -76,8 +76,9 @@ def figures(quick: bool = False) -> Figures:
 
     found: Figures = {}
     for name, loops in (
-        ("level_false_alarms", told), ("level_found", [one for one in sticky if one.told]), ("level_coverage", sticky),
+        ("level_false_alarms", known), ("level_found", [one for one in sticky if one.integrates]),
+        ("level_coverage", sticky),
     ):  # fmt: skip
         found[name], found[f"{name}_before"] = share(loops, now), share(loops, before)
-    found["level_limit"] = float(np.quantile([one.p for one in told], 1.0 - ALLOWED)) if told else None
+    found["level_limit"] = float(np.quantile([one.p for one in known], 1.0 - ALLOWED)) if known else None
     return found

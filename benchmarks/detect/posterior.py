@@ -1,6 +1,6 @@
 """The stage that simulates loops like the record's, beside the calibrated model alone, on loops of another physics.
 
-Both stages are asked about the same held-out loops; those whose stick lies above the detection limit told for them are
+Both stages are asked about the same held-out loops; those whose stick lies above the detection limit known for them are
 counted, too.  A record that shows too little counts with the probability 0.5.  What is asked is kept in a folder, a
 line for every record, so that a second call goes on where the first was stopped.
 """
@@ -55,7 +55,7 @@ NOTES = {
     "simulate_j_error": "median relative error of J over the sticky loops",
     "model_j_error": "the same by the calibrated model alone",
     "simulate_s_inside": "share of the sticky loops whose S lies in its 90 % interval",
-    "limits_told": "share of the records for which a detection limit is told",
+    "limits_known": "share of the records for which a detection limit is known",
     "above_limit_probable": "of the sticky loops above their limit, share with a probability above one half",
 }
 
@@ -136,11 +136,11 @@ def _row(asked: Loop) -> dict[str, Any]:
 
 def _asked(record: LoopRecord, loops: int) -> Own | None:
     try:
-        told = at_record(record, loops=loops)
+        found = at_record(record, loops=loops)
     except ValueError:
         return None
-    limit = None if told.limit is None else told.limit[0]
-    return Own(told.probability, told.S.value, told.J.value, told.S.low, told.S.high, limit, told.seconds)
+    limit = None if found.limit is None else found.limit[0]
+    return Own(found.probability, found.S.value, found.J.value, found.S.low, found.S.high, limit, found.seconds)
 
 
 def figures(quick: bool) -> Figures:
@@ -182,7 +182,7 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
         "simulate_j_error": _error([(pair.own.J, pair.J) for pair in sized if pair.own]),
         "model_j_error": _error([(pair.model[2], pair.J) for pair in sized if pair.model]),
         "simulate_s_inside": _share([pair.own.low <= pair.S <= pair.own.high for pair in sized if pair.own]),
-        "limits_told": _share([limit is not None for limit in limits]),
+        "limits_known": _share([limit is not None for limit in limits]),
         "above_limit_probable": _share([pair.own.probability > 0.5 for pair in above if pair.own]),
     }
 
@@ -197,8 +197,8 @@ def _log_loss(p: NDArray[np.float64], sticky: NDArray[np.bool_]) -> float | None
     return float(np.mean(np.logaddexp(0.0, np.where(sticky, -1.0, 1.0) * log_odds(p)))) if len(p) else None
 
 
-def _error(told: Sequence[tuple[float, float]]) -> float | None:
-    return statistics.median(abs(said / true - 1.0) for said, true in told) if told else None
+def _error(pairs: Sequence[tuple[float, float]]) -> float | None:
+    return statistics.median(abs(said / true - 1.0) for said, true in pairs) if pairs else None
 
 
 def _share(found: Sequence[bool]) -> float | None:

@@ -7,7 +7,7 @@ Blocks     temperature_controller, flow_controller, valve, pipe (x to q), flow_s
            lag), temperature_sensor, feed_pipe (load_p, into pipe), feed_vessel (load_T, into vessel)
 Controller temperature_controller: K = 0.025 of its full output per degC, T_i = 110 s, output 0 to 1, which is a set
            point of 0 to 10 kg/s, scan 2 s;  flow_controller: K = 0.05 of full OP per kg/s, T_i = 2 s, OP 0 to 1, scan
-           0.5 s.  Where both scan, temperature_controller comes first.  It is not told of limits of flow_controller.
+           0.5 s.  Where both scan, temperature_controller comes first.  It does not know the limits of flow_controller.
 Sensor     flow_sensor: lag 0.2 s, noise 0.04 kg/s; temperature_sensor: lag 4 s, noise 0.05 degC, new every 0.5 s (so
            temperature_controller uses every fourth value)
 Load       load_p: AR(1), standard deviation 0.03, time constant 40 s; load_T: AR(1), 0.5 degC, 200 s

@@ -21,25 +21,25 @@ from benchmarks.report import publish
 from benchmarks.resumed import in_turn, part_file, resumed
 
 
-def foreign(told: Namespace) -> bool:
+def foreign(given: Namespace) -> bool:
     """Run the benchmark; return whether no requirement is missed (a quick or stopped run misses none)."""
-    asked = in_turn(list(chosen(runs(), told.only, told.quick)))
-    if told.part[1]:
-        asked = asked[told.part[0] - 1 :: told.part[1]]
-    name = "foreign_quick" if told.quick else "foreign"
-    file, also = part_file(told.folder, name, told.part), sorted(told.folder.glob(f"{name}_[0-9]*.jsonl"))
+    asked = in_turn(list(chosen(runs(), given.only, given.quick)))
+    if given.part[1]:
+        asked = asked[given.part[0] - 1 :: given.part[1]]
+    name = "foreign_quick" if given.quick else "foreign"
+    file, also = part_file(given.folder, name, given.part), sorted(given.folder.glob(f"{name}_[0-9]*.jsonl"))
     rows, begin = [], time.monotonic()
-    for row in resumed(asked, diagnosed, file, 60.0 * told.minutes, also):
+    for row in resumed(asked, diagnosed, file, 60.0 * given.minutes, also):
         rows.append(row)
         spent = (time.monotonic() - begin) / 60.0
         print(f"\r{len(rows)} of {len(asked)} records, {spent:.1f} min  {row['key']:70.70}", end="", file=sys.stderr)
     print(file=sys.stderr)
-    if told.csv is not None and rows:
-        _write(rows, told.csv)
+    if given.csv is not None and rows:
+        _write(rows, given.csv)
     seen = [row for row in rows if row["plant"] not in UNSEEN]
     unseen = [row for row in rows if row["plant"] in UNSEEN]
     out, words = figures(seen or unseen)
-    if told.json != "-":
+    if given.json != "-":
         missing = [one for one in (*NAMES, *UNSEEN) if wired(one) is None]
         print("\n".join(by_plant(rows)))
         print(f"{len(rows)} of {len(asked)} records" + (f"; no model of {', '.join(missing)}" if missing else ""))
@@ -50,7 +50,7 @@ def foreign(told: Namespace) -> bool:
             print("of the unseen plants:")
             for share, word in figures(unseen)[1].items():
                 print(f"  {share:26} {word}")
-    return publish(out, NOTES, told.json, told.quick or len(rows) < len(asked) or told.only != "foreign")
+    return publish(out, NOTES, given.json, given.quick or len(rows) < len(asked) or given.only != "foreign")
 
 
 def _write(rows: Sequence[Mapping[str, Any]], path: Path) -> None:

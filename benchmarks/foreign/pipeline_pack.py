@@ -70,7 +70,7 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     op = np.sqrt(g.draw / (g.inlet * np.sqrt(g.station**2 - p1**2)))
     pv, seen = p2, p2
     held, x, m = pi_at(op), stem_at(op), sensor_at(p2)
-    was, told, scanned = np.full(HELD, p2), op, 0
+    was, wanted, scanned = np.full(HELD, p2), op, 0
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
@@ -82,8 +82,8 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
             scanned += 1
         kept(out, i - first, every, seen, pv, op)
         if not (t >= 0.0 and t % 10800.0 < bad.locked):
-            told = op
-        f = through(p.valve, stem(p.valve, x, told, t, dt) ** 2)
+            wanted = op
+        f = through(p.valve, stem(p.valve, x, wanted, t, dt) ** 2)
         w = g.line * np.sqrt(max(p1**2 - p2**2, 0.0))
         w *= 1.0 - g.settles * min(max((15.0 - w) / 4.0, 0.0), 1.0)
         drawn = g.draw + load[0, int(i * dt)] + planned(p.feed, t)

@@ -56,7 +56,7 @@ class Plant:
     """A plant and its log.
 
     ``run(p, sp, load, noise, luck, dt, first, every, out)`` fills rows of ``out``, a column a tag.
-    Where ``alike`` is not given, as in a single loop, what leaves the same log is told by ``scoring.CLASSES``.
+    Where ``alike`` is not given, as in a single loop, what leaves the same log is listed in ``scoring.CLASSES``.
     """
 
     name: str

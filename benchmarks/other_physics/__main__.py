@@ -29,7 +29,7 @@ NOTES = {
     "withheld_calibration_error": "ten bins (goal: at most 0.03)",
     "withheld_by_chance": "the calibration error that right probabilities would show on so few loops",
     "worst_calibration_error": "of any family of friction, process, driver, positioner (goal: at most 0.03)",
-    "withheld_S_error": "median of |told / true - 1| where called (goal: at most 0.12)",
+    "withheld_S_error": "median of |found / true - 1| where called (goal: at most 0.12)",
     "positioner_auc": "loops with a positioner (goal: at least 0.8)",
     "play_called": "valves with dead travel and no jump that are called sticky",
     "play_cleared": "of these, cleared (goal: at most 0.005)",
@@ -45,17 +45,17 @@ def main() -> int:
     parser.add_argument("--loops", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("other_physics_rows"))
-    told = parser.parse_args()
-    n = 60 if told.quick else told.loops
-    file = told.folder / f"{told.seed}_{code_of('detect', 'calibration/crossed', 'benchmarks/other_physics')}.jsonl"
-    asked = runs(n, told.seed)
+    given = parser.parse_args()
+    n = 60 if given.quick else given.loops
+    file = given.folder / f"{given.seed}_{code_of('detect', 'calibration/crossed', 'benchmarks/other_physics')}.jsonl"
+    asked = runs(n, given.seed)
     rows = []
     for row in resumed(asked, judged, file, 1e9):
         rows.append(row)
         print(f"\r{len(rows)} of {len(asked)}", end="", file=sys.stderr)
     print(file=sys.stderr)
     print("\n".join(_lines(rows)))
-    return 0 if publish(summary(rows), NOTES, told.json, told.quick) else 1
+    return 0 if publish(summary(rows), NOTES, given.json, given.quick) else 1
 
 
 def summary(rows: Sequence[Row]) -> Figures:
@@ -81,8 +81,8 @@ def summary(rows: Sequence[Row]) -> Figures:
     out["play_called"] = sum(w == "stiction" for w in play) / max(len(play), 1)
     out["play_cleared"] = sum(w == "no_stiction" for w in play) / max(len(play), 1)
     drawn = draw(6000, 1)
-    told = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
-    out["worst_leak"] = 0.5 + max(abs(value - 0.5) for value in told.values())
+    found = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
+    out["worst_leak"] = 0.5 + max(abs(value - 0.5) for value in found.values())
     return out
 
 

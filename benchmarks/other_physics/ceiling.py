@@ -1,11 +1,11 @@
-"""How many crossed loops could be told at all: the true stem, through the true process, against OP through the same.
+"""How many crossed loops could be found at all: the true stem, through the true process, against OP through the same.
 
     python -m benchmarks.other_physics.ceiling [--loops N] [--seed N]
 
     y = K g + line + noise,    g what the process makes of the stem or of OP, noise an autoregression
 
 Stem, process and OP at every step of the simulation are known here, which no record shows.  A stick that gains little
-even so can be told by nobody: the valve hardly slips, or noise and load hide what PV answers.
+even so can be found by nobody: the valve hardly slips, or noise and load hide what PV answers.
 """
 
 import argparse
@@ -39,7 +39,7 @@ def _answer(n: Numbers, stem: Values) -> Values:
     return _lagged(_lagged(np.concatenate([np.zeros(late), x])[: len(x)], n.h, n.tau_2), n.h, n.filter)
 
 
-def _told(y: Values, g: Values | None) -> float:
+def _explained(y: Values, g: Values | None) -> float:
     """The score of y by g, a line and noise, best over the orders [nats]."""
     n, most = len(y), max(ORDERS)
     X = np.column_stack([np.ones(n), np.linspace(-1.0, 1.0, n), *([] if g is None else [g])])
@@ -71,7 +71,7 @@ def gain(d: Drawn) -> float | None:
     at = np.arange(0, n.steps, made.every)[:rows][min(20, rows // 10) :]
     y = seen(d).record.pv
     stuck, line = _answer(n, out[3])[at], _answer(n, _lagged(out[2], n.h, n.air))[at]
-    return _told(y, stuck) - max(_told(y, line), _told(y, None))
+    return _explained(y, stuck) - max(_explained(y, line), _explained(y, None))
 
 
 def main() -> int:

@@ -93,7 +93,7 @@ def ladder(t):
 
 
 def oscillator(t):
-    """Van der Pol, with the stiff method that python-control can be told to take."""
+    """Van der Pol, with the stiff method that python-control can be asked to take."""
 
     def rate(t, x, u, params):
         return [x[1], 1000.0 * (1.0 - x[0] ** 2) * x[1] - x[0]]

@@ -55,8 +55,8 @@ def row(seed: int) -> dict[str, Any]:
 
 def _sizes(plant: Plant, one: LoopFit) -> dict[str, Any]:
     lags = size_of(np.array([own.tau_2 + own.theta + (0.0 if own.integrating else own.tau) for own in one.loops]))
-    told = {"S": one.S, "J": one.J, "K": one.K, "KJ": one.KJ, "lags": lags}
-    return {key: [size.value, size.low, size.high, plant.truth[key]] for key, size in told.items()} | {
+    sizes = {"S": one.S, "J": one.J, "K": one.K, "KJ": one.KJ, "lags": lags}
+    return {key: [size.value, size.low, size.high, plant.truth[key]] for key, size in sizes.items()} | {
         "middle": {key: float(np.median([getattr(own, key) for own in one.loops])) for key in ("S", "J", "K")}
     }
 
@@ -87,12 +87,12 @@ def _judged(plant: Plant, advice: Advice) -> dict[str, Any]:
 
 def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
     """The table of all loops."""
-    told = [r for r in rows if "refused" not in r]
-    sticky = [r for r in told if r["law"] != "sound"]
-    sound = [r for r in told if r["law"] == "sound"]
+    fitted = [r for r in rows if "refused" not in r]
+    sticky = [r for r in fitted if r["law"] != "sound"]
+    sound = [r for r in fitted if r["law"] == "sound"]
     seen = [r for r in sticky if r["sticks"]]
     lines = [
-        f"loops {len(rows)}, refused {len(rows) - len(told)}",
+        f"loops {len(rows)}, refused {len(rows) - len(fitted)}",
         f"sticky loops in which stick is seen: {len(seen)} of {len(sticky)}; sound ones accused: "
         f"{sum(r['sticks'] for r in sound)} of {len(sound)}",
         f"kind of process right: {sum(r['kind'] == r['integrating'] for r in seen)} of {len(seen)}",
@@ -104,7 +104,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
             error = np.abs(given[:, 0] / given[:, 3] - 1.0)
             holds = np.mean((own[:, 1] <= own[:, 3]) & (own[:, 3] <= own[:, 2]))
             lines.append(
-                f"{key}: median error {100 * np.median(error):.0f} % of {len(given)} told; the 90 % interval holds "
+                f"{key}: median error {100 * np.median(error):.0f} % of {len(given)} known; the 90 % interval holds "
                 f"{100 * holds:.0f} % of {len(own)}"
             )
     pairs = np.array([pair for r in seen for pair in r.get("sd", [])])
@@ -119,8 +119,8 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         chosen = [r for r in judged if r["chosen"]]
         lines.append(f"recommended: {len(chosen)}; though worse than none: {sum(r['harm'] for r in chosen)}")
     lines.append(
-        f"processor time, median: fit {np.median([r['fit_s'] for r in told]):.1f} s (most "
-        f"{max(r['fit_s'] for r in told):.1f}), remedies {np.median([r['remedy_s'] for r in told]):.1f} s"
+        f"processor time, median: fit {np.median([r['fit_s'] for r in fitted]):.1f} s (most "
+        f"{max(r['fit_s'] for r in fitted):.1f}), remedies {np.median([r['remedy_s'] for r in fitted]):.1f} s"
     )
     return lines
 

@@ -31,7 +31,8 @@ def main() -> None:
             word = "sticks" if found.sticks else "-"
             print(
                 f"{name:34} {label:7} {word:7} gain {found.gain:6.0f} nats  S {found.S}  one step "
-                f"{found.one_step_error:.2f}  free {found.free_error:.2f}  law {found.controller.told:.2f}", flush=True,
+                f"{found.one_step_error:.2f}  free {found.free_error:.2f}  law {found.controller.explained:.2f}",
+                flush=True,
             )  # fmt: skip
 
 

@@ -81,8 +81,8 @@ def main() -> int:
         print(f"interrupted at seed {seed}", file=sys.stderr)
     figures = _figures(judged, time.perf_counter() - begin, seed)
     if chosen.json:
-        told = {**figures, "judgements": [one.to_dict() for one in judged if one.verdict != "agree"]}
-        text = json.dumps(told, indent=2) + "\n"
+        document = {**figures, "judgements": [one.to_dict() for one in judged if one.verdict != "agree"]}
+        text = json.dumps(document, indent=2) + "\n"
         if chosen.json == "-":
             print(text, end="")
         else:

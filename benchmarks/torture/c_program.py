@@ -1,6 +1,6 @@
 """The independent C program (``oracle.c``): compiled once, given one diagram as text, gives a row of signals per time.
 
-What it is told of a diagram is data: kinds, parameters by name, wiring, start values, random seeds.  How a block works,
+What it gets of a diagram is data: kinds, parameters by name, wiring, start values, random seeds.  How a block works,
 in which order blocks follow each other, when something happens: all that is in the C file, written from the docstrings.
 """
 

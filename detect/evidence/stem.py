@@ -31,7 +31,7 @@ class StemTrend:
     t : (n,) [s]; op, mv : (n,) in the unit of OP and of the stem
     sticks : (k, 2) [s], from where to where the stem stood while OP moved
     logged : whether the stem was logged; else it is what a play makes of OP
-    better : how much worse PV is told without the play (rms without over rms with it) [-], NaN where logged
+    better : how much worse PV is explained without the play (rms without over rms with it) [-], NaN where logged
     """
 
     t: Values = field(repr=False)

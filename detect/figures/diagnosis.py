@@ -1,4 +1,4 @@
-"""The picture of a diagnosis: trend, PV against OP, and the evidence behind the verdict."""
+"""The picture of a diagnosis: trend, PV against OP, and what decided the verdict."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.evidence.set_point import set_point_words
+from stickslip.detect.figures.deciding import draw_deciding, what_decided
 from stickslip.detect.figures.loop_trend import draw_trends, named
-from stickslip.detect.figures.verdict import draw_evidence
 from stickslip.detect.words import WORDS
 from stickslip.logs.style import COLOURS
 from stickslip.logs.trend import finish_plane
@@ -24,11 +24,10 @@ POINTS = 4000  # of PV against OP: more is a blot
 
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
-    """Trend, PV-OP curve and the first evidence that can be drawn, a voter if possible; ``words`` adds the reason."""
+    """Trend, PV-OP curve and what decided; ``words`` adds the reason."""
     from stickslip.logs.picture import Picture
 
-    drawn = [v for v in answer.methods if len(v.evidence) and v.draw is not None]
-    shown = next(iter(sorted(drawn, key=lambda v: v.experimental)), None)
+    shown = what_decided(answer)
     figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
     rows = 2 if shown else 1
     parts: list[SubFigure] = list(np.ravel(figure.subfigures(rows, 1)))  # type: ignore[arg-type]
@@ -55,7 +54,8 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     if words:
         trend.suptitle(_in_words(answer), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:
-        draw_evidence(shown, parts[1])
+        draw_deciding(answer, parts[1])
+        parts[1].suptitle(shown[0], fontsize=9, x=0.01, ha="left", weight="bold")
     return figure
 
 

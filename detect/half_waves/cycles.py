@@ -6,6 +6,23 @@ A gap that is much shorter than a period is bridged (see ``gaps``); a half cycle
 
 Each step either says why it cannot go on (``Refusal``) or notes what it did. e = SP - PV; without a logged SP the
 mean of PV stands for it, so that the sign of e stays that of -PV.
+
+Smoothing is a moving average over time, as wide as the noise asks for and at most a tenth of a period (see
+``Params``). Measured: pooled R of ``area_ratio``, mean (standard deviation) of 12 records of 20 cycles, 50 samples a
+period, white noise in % of the signal's standard deviation; the exponential wave has R = 5.87, the sine 1.
+
+    noise                               2 %          10 %         20 %         30 %
+    exponential, this moving average    4.52 (0.20)  2.30 (0.05)  2.01 (0.07)  1.82 (0.09)
+    exponential, Kalman, q fitted       4.34 (0.17)  2.49 (0.16)  1.93 (0.14)  1.56 (0.05)
+    exponential, Kalman at 5 / period   2.20 (0.01)  2.11 (0.03)  1.95 (0.06)  1.78 (0.07)
+    exponential, Butterworth 5 / period 2.20 (0.01)  2.13 (0.03)  1.97 (0.06)  1.80 (0.07)
+    exponential, not smoothed           4.64 (0.19)  2.85 (0.28)  2.26 (0.24)  1.86 (0.21)
+    sine, this moving average           0.99 (0.02)  0.99 (0.02)  0.99 (0.03)  0.99 (0.04)
+    sine, not smoothed                  0.99 (0.03)  0.97 (0.03)  0.95 (0.07)  0.99 (0.10)
+
+Noise draws R towards 1 whatever the filter, so it can hide stiction and hardly ever invents it. A cut fixed to
+the period blunts the corner of clean data (2.20 at 2 % noise); the filters that look at the noise first do
+not. The moving average is the default, being as good as the Kalman smoother and far simpler.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ class Fact:
     code : reason code that a method gives when it refuses because of this fact
     value, limit : on the fact's own scale, stated in its text
     remedy : what to log instead, a sentence, or nothing
-    forbids : whether methods refuse a record that has it; one that does not is only told
+    forbids : whether methods refuse a record that has it; one that does not is only noted
 
     >>> Fact("quantised", True, 6.0, 10.0, "PV has 6 levels.", "Log PV with more digits.").forbids
     True

@@ -64,7 +64,7 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
     near = END_SHARE * (high - low) if math.isfinite(high - low) else 0.0
     for start, end in stands[: long_stands(op, STAND_SAMPLES, stands) if len(op) else 0].tolist():
         if not low + near < op[start] < high - near:
-            continue  # at its limit OP is not asleep, but saturated, which is told elsewhere
+            continue  # at its limit OP is not asleep, but saturated, which another fact says
         off, swing = spread(e[start:end])[0], spread(pv[start:end])[1]
         asleep += end - start if swing > 0.0 and abs(off) > swing else 0
     share = asleep / max(len(op), 1)

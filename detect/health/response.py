@@ -22,6 +22,7 @@ __all__ = ["frozen", "unresponsive"]
 Values = npt.NDArray[np.float64]
 TRAVEL_PERCENT = 2.0  # of the span of OP, from which on it is a travel
 BLOCKS = 40
+ROUNDING = 1e-9  # of OP: a smaller step is that of a simulated controller whose integral has settled
 
 
 def unresponsive(record: LoopRecord, limit: float = 1.7) -> Fact:
@@ -61,7 +62,8 @@ def frozen(record: LoopRecord, limit: float = 0.2) -> Fact:
         return Fact("frozen_pv", False, 0.0, limit, "PV is too short to look for a stand.", remedy)
     start, length = longest_stand(pv)
     share = length / len(pv)
-    moves = int(np.count_nonzero(np.diff(op[start : start + length]))) if share > limit else 0
+    while_still = op[start : start + length] if share > limit else op[:1]
+    moves = int(np.count_nonzero(np.abs(np.diff(while_still)) > ROUNDING * np.max(np.abs(while_still))))
     found = moves > 0.5 * length and length > 10.0 * _ordinary(pv)
     text = (
         f"PV repeats {pv[start]:.6g}, bit for bit, over {length} samples ({share:.0%} of the record, {limit:.0%} "

@@ -27,7 +27,7 @@ from stickslip.detect.judge.actions import CAUSES, confirming_steps
 from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import not_earned, usable
 from stickslip.detect.judge.features.view import LONGEST, View
-from stickslip.detect.judge.grounds import grounds
+from stickslip.detect.judge.grounds import Ground, Picture, grounds
 from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
 from stickslip.detect.judge.own_slips import own_slips
 from stickslip.detect.judge.still_stem import Still, still_stem
@@ -56,7 +56,7 @@ SILENT = 0.02
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
-FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which nothing is told by shape, and to log
+FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which no shape can be judged, and to log
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,7 @@ class Answer:
     reason, action : sentences
     assumptions : what was inferred, one sentence each
     because : what decided a verdict of the model, one sentence each, the weightiest first; empty where it is open
+    picture : what shows the first of them, or in an open answer what moved the model most
     """
 
     word: Word
@@ -101,6 +102,7 @@ class Answer:
     action: str
     assumptions: tuple[str, ...] = ()
     because: tuple[str, ...] = ()
+    picture: Picture = ""
 
 
 def answer(loop: Prepared, model: Model | None = None) -> Answer:
@@ -118,17 +120,17 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     if loop.record.mv is not None and still is None:
         from stickslip.detect.methods import stem_play
 
-        told = stem_play.detect(loop)
-        if told.applicable:
-            return _from_stem(told, loop)
+        by_stem = stem_play.detect(loop)
+        if by_stem.applicable:
+            return _from_stem(by_stem, loop)
     sampled = _sampled(loop.with_stale)
     if sampled:
         return _refusal(sampled if still is None else f"{_stands(still._replace(why=COARSE))} {sampled}")
     slips = own_slips(loop.with_stale)
     if slips is not None:
-        told_by_slips = _from_slips(slips, loop)
+        by_slips = _from_slips(slips, loop)
         dead = " The logged stem stands still all the while: its tag is dead."
-        return replace(told_by_slips, reason=told_by_slips.reason + dead) if still else told_by_slips
+        return replace(by_slips, reason=by_slips.reason + dead) if still else by_slips
     view, left = view_of(loop), len(loop.with_stale.whole)
     if view is None or left < SAMPLES_MIN:
         if still is not None and still.means == "sticks":
@@ -180,19 +182,23 @@ def _unit(loop: Prepared) -> tuple[float, str]:
 def _judged(
     loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model, seen: Evidence | None
 ) -> Answer:
-    told = _concluded(loop, view, said, model, seen)
-    if seen is not None and (seen.accuses or told.word == "inconclusive"):
-        told = replace(told, reason=f"{told.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
-    settled = told.word in ("stiction", "no_stiction")
-    because = grounds(found, model.shares(found), told.word == "stiction") if settled else ()
-    return replace(told, assumptions=_looked_at(loop, view), because=because)
+    concluded = _concluded(loop, view, said, model, seen)
+    if seen is not None and (seen.accuses or concluded.word == "inconclusive"):
+        concluded = replace(concluded, reason=f"{concluded.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
+    weighed = grounds(found, model.shares(found), concluded.probability is not None and concluded.probability >= 0.5)
+    if concluded.word == "no_stiction" and seen is not None and concluded.limit is not None:
+        size = f"{rounded(concluded.limit[0]):g} {concluded.limit[1]}"
+        weighed = (Ground(f"Dead travel above {size} is excluded by {seen.loss:.0f} nats.", "dead_travel"), *weighed)
+    because = tuple(one.words for one in weighed)[:3] if concluded.word != "inconclusive" else ()
+    shown: Picture = next((one.picture for one in weighed if one.picture), "")
+    return replace(concluded, assumptions=_only_the_end(loop, view), because=because, picture=shown)
 
 
 def _travelled(travel: float, unit: str) -> str:
     return f"{rounded(travel):g} {unit.replace('% of OP', '% of its span').replace('the unit of OP', 'its unit')}"
 
 
-def _looked_at(loop: Prepared, view: View) -> tuple[str, ...]:
+def _only_the_end(loop: Prepared, view: View) -> tuple[str, ...]:
     """What is said of a record of which the last part alone was looked at."""
     whole = loop.record.log.duration
     if view.seconds > 0.9 * whole or len(loop.record) <= STEPS_MAX:
@@ -247,7 +253,7 @@ def _shortcoming(view: View, said: Opinion) -> str:
 
 
 def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
-    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where not, or none is told."""
+    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where not, or it is not known."""
     record = loop.record
     span = record.log.spans.get(record.pv_name)
     if span is None:
@@ -284,20 +290,20 @@ def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool, settled
     return said
 
 
-def _from_stem(told: Verdict, loop: Prepared) -> Answer:
+def _from_stem(by_stem: Verdict, loop: Prepared) -> Answer:
     """The answer that the logged stem gives; no probability, because the stem is seen."""
     unit = "% of OP" if loop.op_percent(1.0) is not None else "% of OP's travel"
     sizes: dict[str, Amount | None] = {}
     for name in ("S", "J"):
-        at = [told.evidence.get(key) for key in (name, f"{name}_low", f"{name}_high")]
+        at = [by_stem.evidence.get(key) for key in (name, f"{name}_low", f"{name}_high")]
         plain = [float(np.asarray(value)) for value in at if value is not None]
         sizes[name] = None
-        if told.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
+        if by_stem.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
-    reason = f"The stem is logged, so the verdict comes from it and not from PV. {told.reason}"
-    return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
+    reason = f"The stem is logged, so the verdict comes from it and not from PV. {by_stem.reason}"
+    return Answer(by_stem.verdict, None, {}, S, sizes["J"], None, reason, action, picture="stem_play")
 
 
 def _stands(still: Still) -> str:
@@ -309,7 +315,8 @@ def _stands(still: Still) -> str:
 def _from_still(still: Still) -> Answer:
     """The answer where the stem is seen to stand; no probability, and of S the least that it can be."""
     least = Amount(still.travel, 0.5 * still.travel, still.travel, still.unit.replace("its span", "OP"))
-    return Answer("stiction", None, {}, None, None, None, _stands(still), next_step({"stiction": 1.0}, least, True))
+    action = next_step({"stiction": 1.0}, least, True)
+    return Answer("stiction", None, {}, None, None, None, _stands(still), action, picture="still_stem")
 
 
 def _from_slips(slips: Slips, loop: Prepared) -> Answer:
@@ -319,6 +326,5 @@ def _from_slips(slips: Slips, loop: Prepared) -> Answer:
         f"PV changes its pace at once each time OP has come back by {rounded(slips.S):g} %, {slips.reversals} times, "
         "and keeps it before, while OP moves: the valve stands and slips."
     )
-    return Answer(
-        "stiction", None, {}, S, None, None, reason, next_step({"stiction": 1.0}, S, loop.record.mv is not None)
-    )
+    action = next_step({"stiction": 1.0}, S, loop.record.mv is not None)
+    return Answer("stiction", None, {}, S, None, None, reason, action, picture="slips")

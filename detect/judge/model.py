@@ -147,8 +147,8 @@ def _fallen_back(causes: dict[str, float], beyond: float) -> dict[str, float]:
     {'stiction': 0.5, 'healthy': 0.5}
     """
     p = min(max(causes["stiction"], 1e-12), 1.0 - 1e-12)
-    told = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR_SHARE, 0.0))
-    return {name: told if name == "stiction" else q * (1.0 - told) / (1.0 - p) for name, q in causes.items()}
+    shrunk = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR_SHARE, 0.0))
+    return {name: shrunk if name == "stiction" else q * (1.0 - shrunk) / (1.0 - p) for name, q in causes.items()}
 
 
 @cache

@@ -6,7 +6,7 @@
 The rules are those for slips in another tag (``plantwide.slips``): y jumps each time OP has come back by the same
 travel, the way that closes the loop, and stands before. Integral action on a square wave from outside turns OP at its
 steps and travels as far between any two; but then the valve answers, and y moves with OP between the steps: called is
-nothing where OP tells ``TOLD`` of y there, but for the noise, and by ``MOVED`` of a jump. A loop that follows an
+nothing where OP tells ``EXPLAINED`` of y there, but for the noise, and by ``MOVED`` of a jump. A loop that follows an
 outside wave well keeps y near 0 while OP moves, which looks like standing, and a slip further upstream then steps y at
 an even beat. Hence one rule more: a valve that stands for most of OP's travel leaves nothing but its slips to bring PV
 back, and these must make up ``MOST`` of the range of y.
@@ -27,7 +27,7 @@ from stickslip.detect.stem.process_kind import kind_of_tag
 __all__ = ["driving", "own_slips", "rate_of"]
 
 Values = npt.NDArray[np.float64]
-TOLD, MOVED = 0.8, 0.15
+EXPLAINED, MOVED = 0.8, 0.15
 MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
 SMOOTH_PERCENT = 90.0  # % of the samples, whose rate changes least: the others may be slips
@@ -99,20 +99,20 @@ def _answers(op: Values, y: Values, jumps: Jumps, S: float) -> bool:
     agree = np.sign(op[at] - op[at - SIDE_SAMPLES]) * np.sign(size)
     sign = 1.0 if agree.sum() >= 0.0 else -1.0
     at, way = at[agree == sign], sign * np.sign(size[agree == sign])
-    moved, told = [], []
+    moved, followed = [], []
     for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
         back = slice(a + 1 + int(np.argmax(old * op[a + 1 : b + 1])), b - 1)
         if old != new and len(op[back]) >= SIDE_SAMPLES:
             moved.append(op[back] - np.mean(op[back]))
-            told.append(sign * (y[back] - np.mean(y[back])))
+            followed.append(sign * (y[back] - np.mean(y[back])))
     if not moved:
         return False
-    u, v = np.concatenate(moved), np.concatenate(told)
+    u, v = np.concatenate(moved), np.concatenate(followed)
     steps = np.diff(y)
     noise = 0.5 * (1.4826 * float(np.median(np.abs(steps - np.median(steps))))) ** 2
     slope = float(u @ v) / max(float(u @ u), 1e-300)
     left = max(float(v @ v) - noise * len(v), 1e-300)
-    return slope * S > MOVED * float(np.median(np.abs(size))) and slope * float(u @ v) > TOLD * left
+    return slope * S > MOVED * float(np.median(np.abs(size))) and slope * float(u @ v) > EXPLAINED * left
 
 
 def rate_of(pv: Values) -> Values:

@@ -79,10 +79,10 @@ def pooled(
     if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
         word = "no_stiction"
     own = [a.word for a in answers]
-    told = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
+    counts = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
     level = f" {LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on." if integrates and word != "stiction" else ""
     reason = (
-        f"{len(answers)} {each} of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
+        f"{len(answers)} {each} of one valve, by themselves {counts}. Together: probability of stiction {chance(p)}, "
         f"{CAUSES[_second(opinion)].spoken} {chance(opinion.causes[_second(opinion)])}.{level} {evidence}"
     )
     S = _size(found, [a.S for a in answers if a.S is not None], unit)
@@ -94,7 +94,15 @@ def pooled(
         else next_step(causes, S, stem, settled=word != "inconclusive")
     )
     limit = None if found is None or word != "no_stiction" else (found.claim, unit)
-    return Answer(word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action)
+    alike = sorted((a for a in judged if a.word == word), key=lambda a: a.probability or 0.0)
+    middle = alike[len(alike) // 2] if alike else judged[0]
+    by_all = found is not None and (found.accuses if word == "stiction" else found.clears)
+    because = (f"Of all {each} together: {evidence}",) * by_all
+    because += tuple(f"Of one of the {len(alike)} {each} that say so: {why}" for why in middle.because)
+    return Answer(
+        word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action,
+        because=because[:3] if word != "inconclusive" else (), picture="dead_travel" if by_all else middle.picture,
+    )  # fmt: skip
 
 
 def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:

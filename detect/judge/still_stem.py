@@ -50,7 +50,7 @@ OPEN = "it sticks or has a deadband at all: its transmitter may be dead. Which i
 class Still(NamedTuple):
     """A stem that stands: how far OP travels [``unit``], how often it turns back, and what that says.
 
-    ``means`` : "sticks"; "dead" where PV shows that the valve moves; "open" where it is not to be told
+    ``means`` : "sticks"; "dead" where PV shows that the valve moves; "open" where it stays open
     """
 
     travel: float
@@ -66,8 +66,8 @@ def still_stem(loop: Prepared) -> Still | None:
     >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(2000.0)
     >>> u, load = 50 + 2 * np.sin(t / 50), np.sin(t / 50 + 1)
-    >>> told = still_stem(Prepared(LoopRecord.from_arrays(t, pv=load, op=u, mv=0 * t + 50.3, op_span=(0, 100))))
-    >>> told.means, round(told.travel, 1), told.turned
+    >>> still = still_stem(Prepared(LoopRecord.from_arrays(t, pv=load, op=u, mv=0 * t + 50.3, op_span=(0, 100))))
+    >>> still.means, round(still.travel, 1), still.turned
     ('sticks', 4.0, 11)
     """
     grid = loop.whole

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from stickslip.logs.compiled import njit
 
-__all__ = ["climb", "told_by"]
+__all__ = ["climb", "explained_by"]
 
 RIDGE = 1e-7  # of each column's square: columns that repeat each other must not stop the fit, in any unit
 
@@ -78,7 +78,7 @@ def climb(X: Any, y: Any, nu: float, floor: float, steps: int, w: Any, each: Any
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]
-def told_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, left: Any) -> None:
+def explained_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, left: Any) -> None:
     """Squares left (c,) of ``target`` (n,) by each of c ``inputs`` (c, m) of k to k + b - 1 rows ago.
 
     w (n,) roots of the weights, q (p, n) what is known beside the input, orthonormal; ``left`` (c, b): work and answer.
@@ -107,7 +107,7 @@ def told_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, left: A
             gram[i, i] += RIDGE * gram[i, i] + 1e-300
             right[i] = cross[i]
         _solved(gram, right)
-        told = 0.0
+        explained = 0.0
         for i in range(b):
-            told += cross[i] * right[i]
-        left[lane, 0] = told
+            explained += cross[i] * right[i]
+        left[lane, 0] = explained

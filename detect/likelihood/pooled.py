@@ -43,7 +43,7 @@ ACCUSED_SHARE, EXCLUDED_SHARE = 0.1, 0.15  # of OP's travel: least S that is cal
 INTERVAL_NATS = 2.0  # nats below the best that S's interval reaches
 FINEST_SAMPLES = 10.0  # samples between two turns of OP, below which sampling makes false gains
 SAYS_NATS = 1.0  # nats of a day that tells anything
-JUMP_NATS = 5.0  # nats from which on a jump is told
+JUMP_NATS = 5.0  # nats from which on a jump is called
 
 
 @dataclass(frozen=True)
@@ -118,8 +118,8 @@ class Evidence:
     def excludes(self) -> bool:
         """Whether every S from ``EXCLUDED_SHARE`` of OP's travel on is excluded, a line is best and PV answers OP."""
         hidden = self.excluded > EXCLUDED_SHARE * self.travel * 10.0 ** (1.0 / COARSE)  # the next size of the grid
-        told = self.answers >= ANSWERS_NATS and self.steady and self.turned >= TURNS
-        return not hidden and told and self.bent <= 0.0 and not self.coarse
+        answered = self.answers >= ANSWERS_NATS and self.steady and self.turned >= TURNS
+        return not hidden and answered and self.bent <= 0.0 and not self.coarse
 
     @property
     def clears(self) -> bool:
@@ -230,7 +230,7 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
     total, chosen = _summed(kept, grid, FINER // COARSE if len(kept) > 1 else 0, rival, rows)
     allowed = np.where((grid >= least)[:, None], total, -np.inf)
     i, j = (int(n) for n in np.unravel_index(int(np.argmax(allowed)), allowed.shape))
-    if j and total[i, 1] < allowed[:, 0].max() + JUMP_NATS:  # a jump is told only where it gains
+    if j and total[i, 1] < allowed[:, 0].max() + JUMP_NATS:  # a jump is called only where it gains
         i, j = int(np.argmax(allowed[:, 0])), 0
     at = tuple(int(one[i, j]) for one in chosen)
     sections = np.concatenate([part.sections[a, j] - part.rivals[rival][1] for part, a in zip(kept, at, strict=True)])

@@ -173,16 +173,16 @@ class Stems:
 
     def _screened(self, inputs: Values, k: int) -> Values:
         """Log-likelihood of every input (n, c) but for a constant, at the weights of the line through OP, (c,)."""
-        from stickslip.detect.likelihood.kernels import told_by
+        from stickslip.detect.likelihood.kernels import explained_by
 
         root, y = np.sqrt(self.weights), self._kept(self.rows.y)
         q, _ = np.linalg.qr(self.base * root[:, None])
         target = y * root
         target = target - q @ (q.T @ target)
-        told = np.empty((inputs.shape[1], self.order[1]))
+        explained = np.empty((inputs.shape[1], self.order[1]))
         at = np.flatnonzero(self.rows.used) + LATEST_ROWS
-        told_by(np.ascontiguousarray(inputs.T), at, k, root, np.ascontiguousarray(q.T), target, told)
-        return np.asarray(-np.log(np.maximum(target @ target - told[:, 0], 1e-300)))
+        explained_by(np.ascontiguousarray(inputs.T), at, k, root, np.ascontiguousarray(q.T), target, explained)
+        return np.asarray(-np.log(np.maximum(target @ target - explained[:, 0], 1e-300)))
 
     def _rivals(self, k: int) -> dict[str, Fitted]:
         """Score, log-likelihood of every row and coefficients of each rival at delay k."""

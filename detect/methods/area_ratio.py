@@ -25,24 +25,8 @@ with up to 25 % third harmonic in a random phase 64 are, because in the right ph
 Source: J. Process Control 15 (2005) 371; Kvam, NTNU 2009, chapter 6, whose Algorithm 1 is kept as printed in
 ``algorithm1``. What differs from it here, because the printed form fails on it: crossings and peaks are
 interpolated; a bad half cycle is left out, not the end of the run; areas are pooled instead of averaging
-ratios, whose tail is heavy; noise is smoothed without phase; half cycles are resampled for a 90 % interval.
-
-Smoothing is a moving average over time, as wide as the noise asks for and at most a tenth of a period (see
-``cycles.Params``). Measured: pooled R, mean (standard deviation) of 12 records of 20 cycles, 50 samples a period,
-white noise in % of the signal's standard deviation; the exponential wave has R = 5.87, the sine 1.
-
-    noise                               2 %          10 %         20 %         30 %
-    exponential, this moving average    4.52 (0.20)  2.30 (0.05)  2.01 (0.07)  1.82 (0.09)
-    exponential, Kalman, q fitted       4.34 (0.17)  2.49 (0.16)  1.93 (0.14)  1.56 (0.05)
-    exponential, Kalman at 5 / period   2.20 (0.01)  2.11 (0.03)  1.95 (0.06)  1.78 (0.07)
-    exponential, Butterworth 5 / period 2.20 (0.01)  2.13 (0.03)  1.97 (0.06)  1.80 (0.07)
-    exponential, not smoothed           4.64 (0.19)  2.85 (0.28)  2.26 (0.24)  1.86 (0.21)
-    sine, this moving average           0.99 (0.02)  0.99 (0.02)  0.99 (0.03)  0.99 (0.04)
-    sine, not smoothed                  0.99 (0.03)  0.97 (0.03)  0.95 (0.07)  0.99 (0.10)
-
-Noise draws R towards 1 whatever the filter, so it can hide stiction and hardly ever invents it. A cut fixed to
-the period blunts the corner of clean data (2.20 at 2 % noise); the filters that look at the noise first do
-not. The moving average is the default, being as good as the Kalman smoother and far simpler.
+ratios, whose tail is heavy; noise is smoothed without phase (``half_waves.cycles``, with the R that it leaves); half
+cycles are resampled for a 90 % interval.
 """
 
 from __future__ import annotations
@@ -68,18 +52,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
 __all__ = [
-    "CARD",
-    "Params",
-    "State",
-    "closed_form",
-    "detect",
-    "draw",
-    "init",
-    "recall",
-    "remember",
-    "update",
-    "verdict",
-]
+    "CARD", "Params", "State", "closed_form", "detect", "draw", "init", "recall", "remember", "update", "verdict",
+]  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 NAME = "area_ratio"

@@ -10,8 +10,8 @@ neither a cycle nor a constant set point is needed, and nothing is learnt.  Dead
 5 without the best tenth of the record, over four reversals of the stem, at two of three delays.  It is excluded where
 every S from 0.15 of OP's travel on loses 10 nats, and PV does answer OP, by a straight line (``likelihood.pooled``).
 
-What is found is dead travel: a jump is told only where it gains.  Real sticky valves look much like play, and a linkage
-with play looks like them.  Many days of one valve are pooled by ``likelihood.pooled.evidence_of``.
+What is found is dead travel: a jump is called only where it gains.  Real sticky valves look much like play, and a
+linkage with play looks like them.  Many days of one valve are pooled by ``likelihood.pooled.evidence_of``.
 
 Source: ours; the likelihood is textbook (Ljung, System Identification, 1999).  Not for records drawn by a historian,
 of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.2 s for 750 samples, 0.5 s for 3,000; of a longer
@@ -102,6 +102,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def draw(verdict: Verdict, figure: FigureBase) -> None:
     """OP with the likeliest stem, the gain of every S, and what each tenth of the record adds to it."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
     from stickslip.detect.figures.verdict import draw_reason, legend
     from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
 
@@ -124,11 +125,15 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     middle.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
     middle.plot(verdict.array("sizes"), verdict.array("curve"), ".-", color=INK)
     middle.set_xscale("log")
+    middle.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    middle.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    middle.xaxis.set_minor_formatter(NullFormatter())
     middle.set_xlabel(f"S [{unit}]")
     middle.set_title("gain over the best rival [nats]", fontsize=9, loc="left")
     tenths = verdict.array("tenths")
     right.bar(np.arange(1, len(tenths) + 1), tenths, color=[INK if value > 0.0 else PALE for value in tenths])
     right.axhline(0.0, color=PALE, lw=0.8)
+    right.set_xticks(range(2, 11, 2))
     right.set_xlabel("tenth of the record")
     right.set_title("where it is gained [nats]", fontsize=9, loc="left")
     for axes in (left, middle, right):

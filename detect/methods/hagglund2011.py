@@ -276,9 +276,6 @@ def _dead_band(used: list[HalfWave], p: Params) -> float | None:
     return float(np.mean(found)) if len(found) >= 3 and np.mean(found) > 0.0 else None
 
 
-# ---- streaming twin ----------------------------------------------------------------------------------------
-
-
 class State(NamedTuple):
     """Facts, samples since the last crossing (the first is ``since`` [s]), half waves, mean |e|, number of samples.
 
@@ -315,16 +312,8 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
     if abs(e) > p.band * mean_abs:
         firm, side = t, math.copysign(1.0, e)
     turned = side != state.side and state.side != 0.0
-    new = State(
-        state.facts,
-        buffer,
-        state.since,
-        state.firm if turned else firm,
-        side,
-        state.half_waves,
-        mean_abs,
-        seen,
-        cut_off,
+    new = state._replace(
+        buffer=buffer, firm=state.firm if turned else firm, side=side, mean_abs=mean_abs, seen=seen, cut_off=cut_off
     )
     return _close(p, new, t) if turned else new
 

@@ -20,7 +20,7 @@ Source: Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Karra a
 17:387; Bacci di Capaci, Scali and Pannocchia 2016, J. Process Control 46:11. The limits are ours.
 
 Not where OP hardly moves or saturates, where the process is far from linear, or the dead time is above a quarter of the
-period. A disturbance that is no sine and no drift is told by neither model: F stays low and nothing is decided.
+period. A disturbance that is no sine and no drift is explained by neither model: F stays low and nothing is decided.
 About 50 to 150 ms a record.
 """
 

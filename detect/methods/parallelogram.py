@@ -17,7 +17,7 @@ sampled).  A small W clears nothing: two signals that have nothing in common hav
 
 F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
 the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
-(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it, and
+(``sizes_of``), which is ours.  Deadband and stiction differ by J alone; a lag between stem and PV hides it, and
 takes up to 30 % off S (docs/evidence/amounts.md).  In a cycle it has two places, and a correlation hardly tells J.
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
@@ -185,8 +185,8 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
         lags = np.unique(np.append(np.round(lag + np.linspace(-reach[3], reach[3], 7)).astype(int), found.lag))
         rows = np.arange(0, len(s), AT_ONCE)[1:]
         sticks = zip(*(np.split(one, rows) for one in (s, j * s, a)), strict=True)
-        told = [_correlate(stick(u, *some), y, lags, drop) for some in sticks]
-        rho, at = (np.concatenate(each) for each in zip(*told, strict=True))
+        correlated = [_correlate(stick(u, *some), y, lags, drop) for some in sticks]
+        rho, at = (np.concatenate(each) for each in zip(*correlated, strict=True))
         k = int(np.argmax(rho))
         S, share, start, lag = float(s[k]), float(j[k]), float(a[k]), float(lags[at[k]])
         tried.append(s)

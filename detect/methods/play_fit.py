@@ -88,7 +88,7 @@ class Params:
 
     ratio : rms without play over rms with it [-]        gain : rise of the log-likelihood [-]
     share : of the reversals at which play must win [-]  spread : of S over the reversals, relative [-]
-    fit, clearing_fit : share of PV's variance that must be told, to accuse and to clear [-]
+    fit, clearing_fit : share of PV's variance that must be explained, to accuse and to clear [-]
     jump : rise of the log-likelihood by the slip jump [-]   jump_share : least J [share of S]
     clock : rms with an outside wave of constant period over rms with play [-]
     reversals, samples : fewest of each
@@ -148,7 +148,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     evidence: dict[str, Values | float] = {
         "t": grid.t[-len(found.x) * k :: k], "u": u[-len(found.x) :], "x": found.x, "y": found.y,
         "linear": found.linear, "played": found.played, "S": found.S, "J": found.J, "gain": found.gain,
-        "jump_gain": found.jump_gain, "clock": found.clock, "told": found.told, "told_without": found.told_without,
+        "jump_gain": found.jump_gain, "clock": found.clock, "explained": found.explained,
+        "explained_without": found.explained_without,
         "wins": found.wins, "spread": found.spread, "lag": found.lag * k * grid.dt, "sizes": found.sizes,
         "loss": found.loss, "S_each": found.S_each, "travel": found.travel,
     }  # fmt: skip
@@ -165,11 +166,11 @@ def _size(loop: Prepared, amount: float) -> str:
 def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[Word, str]:
     r, m = f"ratio {f.ratio:.2f}, log-likelihood gain {f.gain:.3g}", len(f.S_each)
     model = " (integrating)" if f.integrating else ""
-    told = f"{max(f.told, 0.0):.0%} of PV{model} told"
-    if f.told < p.fit:
+    share = f"{max(f.explained, 0.0):.0%} of PV{model} explained"
+    if f.explained < p.fit:
         return "inconclusive", (
-            f"OP through a lag tells {max(f.told, 0.0):.0%} of PV{model} with play or without ({p.fit:.0%} needed): PV "
-            "moves for other reasons."
+            f"OP through a lag explains {max(f.explained, 0.0):.0%} of PV{model} with play or without ({p.fit:.0%} "
+            "needed): PV moves for other reasons."
         )
     if f.ratio >= p.ratio and f.gain >= p.gain:
         s = f"S = {_size(loop, f.S)}"
@@ -195,7 +196,7 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
             )
         return "stiction", (
             f"PV follows OP through a play: {s}, 90 % interval {_size(loop, f.low)} to {_size(loop, f.high)}, {r}, "
-            f"{told}, the better model at {f.wins:.0%} of {m} reversals, scatter {f.spread:.0%}."
+            f"{share}, the better model at {f.wins:.0%} of {m} reversals, scatter {f.spread:.0%}."
         )
     # The first size of those tried that falls off clearly, with all that are larger: below it a stick could hide.
     hiding = np.flatnonzero(f.loss - np.min(f.loss) < p.hidden)[-1] + 1
@@ -207,10 +208,10 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
             "inconclusive",
             f"{no_better}: too little of what is left is new noise, so nothing is cleared.",
         )
-    if lag > p.lag or f.told_without < p.clearing_fit:
+    if lag > p.lag or f.explained_without < p.clearing_fit:
         why = "the lag of any wave under feedback" if lag > p.lag else "too much else moves it"
         return "inconclusive", (
-            f"{no_better}; PV follows OP by {lag:.2f} half periods, {told}: {why}, so nothing is cleared."
+            f"{no_better}; PV follows OP by {lag:.2f} half periods, {share}: {why}, so nothing is cleared."
         )
     if turned < p.reversals and not math.isfinite(loop.period):
         return (
@@ -223,8 +224,8 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
             f"travel of {_size(loop, f.travel)}."
         )
     return "no_stiction", (
-        f"PV follows OP by a lag of {lag:.2f} half periods without play ({r}, {told}): S below {_size(loop, largest)}, "
-        f"where OP travels {_size(loop, f.travel)}."
+        f"PV follows OP by a lag of {lag:.2f} half periods without play ({r}, {share}): S below {_size(loop, largest)}"
+        f", where OP travels {_size(loop, f.travel)}."
     )
 
 

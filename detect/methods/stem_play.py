@@ -15,7 +15,7 @@ sampling makes.
 A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
 from OP: by S + J over a stick.  No friction makes J larger than S; where J is read ``friction`` times as large, OP is
 logged coarser or later than MV, and nothing is called.  Where J lies below, or where OP turned often and far and MV
-never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no stick.
+never strayed from it, the valve does not stick; a deadband that is left is stated: it costs control, but is no stick.
 
 OP may stand at a limit: the stem comes to rest where OP does, and leaves it as from anywhere else.  Stands of the stem
 at an end of its own span (``end``) are left out, because its seat or stop may hold it there; where the span is not
@@ -174,7 +174,9 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
             f"MV strays from OP by {apart:.2g} %."
         )
     S, J = (tuple(unit * v for v in triple) for triple in (f.S, f.J))
-    positioner = f"MV = {f.offset:.3g} + {f.gain:.3g} OP" if f.gain_known else "the positioner's gain taken as 1"
+    positioner = (
+        f"MV = {round(f.offset, 6):.3g} + {f.gain:.3g} OP" if f.gain_known else "the positioner's gain taken as 1"
+    )
     fit = (
         f"S = {S[0]:.3g} % ({S[1]:.3g} to {S[2]:.3g}), J = {J[0]:.3g} % ({J[1]:.3g} to {J[2]:.3g}) of OP at {m} "
         f"reversals, deadband {max(S[0] - J[0], 0.0):.3g} %, {positioner}"

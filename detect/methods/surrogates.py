@@ -87,7 +87,7 @@ class Params:
 def forecast_error(x: Values, length: int, horizon: int, neighbours: int = 8) -> Values:
     """Mean squared error of the forecasts of signals x (m, n), each by its own past and future, shape (m,).
 
-    A ramp cannot be told by its neighbours, a wave that repeats can:
+    A ramp cannot be predicted by its neighbours, a wave that repeats can:
 
     >>> t = np.arange(200.0)
     >>> wave, noise = np.sin(2 * np.pi * t / 10), np.random.default_rng(0).normal(size=200)

@@ -62,7 +62,7 @@ class Jumps(NamedTuple):
 class Slips(NamedTuple):
     """Slips of a sticky valve: S with its 90 % interval [% of OP span], the tag that jumps, how often it turned.
 
-    ``told`` is the correlation of the tag with a stem of that S, less straight lines [-].
+    ``correlation`` is the correlation of the tag with a stem of that S, less straight lines [-].
     """
 
     S: float
@@ -70,12 +70,12 @@ class Slips(NamedTuple):
     high: float
     tag: str
     reversals: int
-    told: float
+    correlation: float
 
     def to_dict(self) -> dict[str, float | str]:
         """Return the slips as plain values that JSON can hold."""
         return {"S": self.S, "low": self.low, "high": self.high, "tag": self.tag, "reversals": self.reversals,
-                "told": self.told}  # fmt: skip
+                "correlation": self.correlation}  # fmt: skip
 
 
 def jumps_of(y: Values) -> Jumps:
@@ -164,8 +164,8 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
     if middle < S_MIN_PERCENT or half > KNOWN_SHARE * middle:
         return None
     stems = stick(op, *_stems(middle))[after:].T
-    told = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
-    return Slips(middle, middle - half, middle + half, tag, len(slid), told) if told > 0.0 else None
+    correlation = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
+    return Slips(middle, middle - half, middle + half, tag, len(slid), correlation) if correlation > 0.0 else None
 
 
 def _stems(S: float) -> tuple[Values, float, Values]:
@@ -218,7 +218,7 @@ def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps])
     own: dict[str, Slips] = {}
     taken: list[tuple[str, npt.NDArray[np.intp]]] = []
     every = ((loop, one) for loop, by_tag in found.items() for one in by_tag.values())
-    for loop, one in sorted(every, key=lambda pair: -pair[1].told):
+    for loop, one in sorted(every, key=lambda pair: -pair[1].correlation):
         at = jumps[one.tag].at
         if any(other != loop and np.mean(np.isin(at, claimed)) > TAKEN_SHARE for other, claimed in taken):
             continue

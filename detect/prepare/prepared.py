@@ -154,9 +154,9 @@ class Prepared(RecordSignals):
     @cached_property
     def kind(self) -> Kind:
         """Whether the process integrates, and from what that was inferred."""
-        told = kind_of_tag(self.record)
-        grid = self.whole if told.integrating is None else _EMPTY
-        return kind_of_data(grid.op, grid.pv, grid.sp, grid.e, self.period / grid.dt) if len(grid) else told
+        by_tag = kind_of_tag(self.record)
+        grid = self.whole if by_tag.integrating is None else _EMPTY
+        return kind_of_data(grid.op, grid.pv, grid.sp, grid.e, self.period / grid.dt) if len(grid) else by_tag
 
     @property
     def integrating(self) -> bool | None:

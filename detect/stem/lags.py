@@ -3,7 +3,7 @@
     y(t) = s * sum over lags k of g(k) x(t - k) + slow load,    g(k) >= 0
 
 The impulse response g is a polygon whose corners stand wider with the lag.  Because they may not change
-sign, any chain of lags and dead time can be told, and a differentiation cannot: with one the model would pass off the
+sign, any chain of lags and dead time can be had, and a differentiation cannot: with one the model would pass off the
 controller, whose inverse turns OP back into PV exactly, for the process.  s is the sign of the process gain.  An
 integrating process has the integral of x in the place of x.  The slow load is a mean, a ramp where the process
 integrates, and cosines too slow for the swing.
@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.detect.stem.nonnegative import nonnegative
 
 __all__ = ["Lags", "Response"]
 
@@ -85,8 +86,6 @@ class Lags:
 
     def fit(self, x: Values) -> list[Response]:
         """The best response to each of the inputs x (n, m)."""
-        from scipy.optimize import nnls
-
         columns = self.columns(x)
         load = np.matmul(columns, self.load)
         gram = np.matmul(columns, columns.transpose(0, 2, 1))
@@ -97,11 +96,9 @@ class Lags:
         # A stem that hardly moves leaves little more than rounding beside the load: a ridge keeps that from a fit.
         ridge = 1e-10 * whole + 1e-12 * self.tss
         gram[:, range(len(widths)), range(len(widths))] += ridge[:, None]
-        found = []
-        roots = np.linalg.cholesky(gram)
-        whitened = np.linalg.solve(roots, product[..., None])[..., 0]
-        for g, b, root, seen in zip(gram, product, roots, whitened, strict=True):
-            weights = nnls(root.T, seen)[0]
+        found: list[Response] = []
+        for g, b in zip(gram, product, strict=True):
+            weights = nonnegative(g, b, found[-1].weights if found else None)
             rss = max(self.tss - 2.0 * float(b @ weights) + float(weights @ g @ weights), 1e-12 * self.tss)
             mass = widths * weights
             total = float(mass.sum())
@@ -111,8 +108,8 @@ class Lags:
 
     def residual(self, x: Values, response: Response) -> Values:
         """What is left of y, shape (rows,)."""
-        told = response.weights @ self.columns(x[:, None])[0]
-        return np.asarray(self.y - self.sign * self._freed(told))
+        explained = response.weights @ self.columns(x[:, None])[0]
+        return np.asarray(self.y - self.sign * self._freed(explained))
 
 
 def _spread(n: int, rows: int | None) -> npt.NDArray[np.intp]:

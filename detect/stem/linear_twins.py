@@ -1,8 +1,8 @@
 """Twins of a record whose valve follows: what would an index be if PV were OP through a lag, and the rest chance?
 
-    PV = told + left,    twin = told + left shifted in time
+    PV = answer + left,    twin = answer + left shifted in time
 
-``told`` is the best linear response to OP (``lags``), ``left`` what it does not tell.  The shift keeps its colour and
+``answer`` is the best linear response to OP (``lags``), ``left`` what it does not tell.  The shift keeps its colour and
 takes away that it goes with OP; it is never a whole number of periods.  An index that is no larger on the record than
 on its twins says nothing of the valve: a lag between two waves makes it as well.
 """

@@ -16,7 +16,7 @@ __all__ = ["LATEST", "Stem", "band", "stem"]
 Values = npt.NDArray[np.float64]
 LATEST = 3  # samples that the stem may be late, at most
 SLIP_SAMPLES = 4  # samples that a slip may last
-PACED_SHARE = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps are not told from that
+PACED_SHARE = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps cannot be separated from that
 
 
 class Stem(NamedTuple):

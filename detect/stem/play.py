@@ -1,7 +1,7 @@
 """Models of PV side by side: OP through a lag, with a sticky valve on the way and without; see ``methods/play_fit``.
 
 The candidates (S, J, start) are tried on a coarse grid with a part of the samples, then closer and closer about the
-best.  What S, J and start are good for is only ever told by the same response model (``lags``) with the same freedom.
+best.  What S, J and start are good for is only ever judged by the same response model (``lags``) with the same freedom.
 Two more rivals have that freedom too: a play, which has no slip jump, and a wave of constant period from outside.
 """
 
@@ -33,7 +33,7 @@ class Fit(NamedTuple):
 
     ratio, gain : over no valve;  jump_gain : over a play without slip jump;  clock : rms of the outside wave over the
     valve's [-]
-    told, told_without : share of y's variance told [-]; lag : mean lag of the best linear model [samples]
+    explained, explained_without : share of y's variance [-]; lag : mean lag of the best linear model [samples]
     wins, spread : over the reversals [-]; S_each : (r,) S at each
     sizes, loss : (m,) sizes tried, and how far n_eff ln(rms) of the best fit with each lies above the least
     x, y, linear, played : (m,) best stem, y freed of load, what is left of it without and with play, where the models
@@ -48,8 +48,8 @@ class Fit(NamedTuple):
     J: float
     low: float
     high: float
-    told: float
-    told_without: float
+    explained: float
+    explained_without: float
     lag: float
     travel: float
     wins: float
@@ -77,7 +77,7 @@ def fit(
     >>> t = np.arange(600.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> found = fit(u, stick(u, 4.0), 47.0)
-    >>> round(found.S, 1), found.ratio > 10, found.told > 0.999
+    >>> round(found.S, 1), found.ratio > 10, found.explained > 0.999
     (4.0, True, True)
     """
     travel = travel_of(u, turn)
@@ -85,7 +85,7 @@ def fit(
     first = [_Table(u, Lags(y, turn, kind, sign, COARSE)) for kind in kinds]
     for tried in first:
         tried.add(grid)
-    coarse = max(first, key=lambda tried: tried.told)
+    coarse = max(first, key=lambda tried: tried.explained)
     integrating = coarse.model.integrating
     close = _Table(u, Lags(y, turn, integrating, sign, CLOSE))
     jumpless = _close_in(close, coarse, play=True)
@@ -141,7 +141,7 @@ class _Table:
         return self.model.residual(stick(self.u, S, ratio * S, start), self.responses[key])
 
     @property
-    def told(self) -> float:
+    def explained(self) -> float:
         """Largest explained share of the variance of y [-]."""
         return 1.0 - min(response.rss for response in self.responses.values()) / self.model.tss
 

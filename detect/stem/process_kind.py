@@ -2,7 +2,7 @@
 
     flow, pressure of gas   self-regulating        level   integrating
 
-Of the others the data speak where the set point moves: PV is told by OP through a lag, and through a lag and an
+Of the others the data speak where the set point moves: PV is explained by OP through a lag, and through a lag and an
 integrator, with the same freedom (``lags``); the better of the two is taken where it leaves no more than exp(-0.5) of
 the other's sum of squares and tells 0.8 of PV.  At a constant set point a wave from outside decides that comparison and
 not the process, and nothing is inferred: of 75 simulated loops that it decided 11 came out wrong.  The limits are ours.
@@ -24,7 +24,7 @@ __all__ = ["Kind", "kind_of_data", "kind_of_tag"]
 
 Values = npt.NDArray[np.float64]
 BETTER = 0.5  # of ln(sum of squares), from which on one kind is taken
-TOLD_SHARE = 0.8  # of PV's variance
+EXPLAINED_SHARE = 0.8  # of PV's variance
 POINTS = 1200
 
 
@@ -42,7 +42,7 @@ def kind_of_tag(record: LoopRecord) -> Kind:
     Kind(integrating=False, text='The process is taken as self-regulating: the tag is a flow.')
     """
     if record.process != "unknown":
-        return Kind(record.process == "integrating", f"The process is {record.process.replace('_', '-')}, as told.")
+        return Kind(record.process == "integrating", f"The process is {record.process.replace('_', '-')}, as stated.")
     if record.measurement == "level":
         return Kind(True, "The process is taken as integrating: the tag is a level.")
     if record.measurement == "flow":
@@ -64,9 +64,9 @@ def kind_of_data(op: Values, pv: Values, sp: Values | None, e: Values, period: f
     sign, turn = controller_sign(u, off), max(turn / k, 2.0)
     models = [Lags(y, turn, kind, sign, POINTS // 2) for kind in (False, True)]
     settles, integrates = (model.fit(u[:, None])[0].rss for model in models)
-    told = 1.0 - min(settles, integrates) / models[0].tss
+    explained = 1.0 - min(settles, integrates) / models[0].tss
     better = math.log(settles / integrates)
-    if told < TOLD_SHARE or abs(better) < BETTER:
+    if explained < EXPLAINED_SHARE or abs(better) < BETTER:
         return unknown
     kind, does = ("integrating", "integrates") if better > 0.0 else ("self-regulating", "settles")
     return Kind(

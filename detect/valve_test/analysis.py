@@ -135,9 +135,9 @@ class ValveTest(Shown):
                 for name, field in (("Td", "dead_time"), ("T63", "T63"), ("T86", "T86"))
             }
             count = len(self.responses)
-            told = ", ".join(f"{name} {value:.3g} s" for name, value in times.items() if value is not None)
+            answers = ", ".join(f"{name} {value:.3g} s" for name, value in times.items() if value is not None)
             of = f"{count} step{'s' * (count > 1)} of {LARGE_PERCENT:g} % and more" + (" (median)" if count > 1 else "")
-            said.append(f"{of}: {told}." if told else f"{of}: the answer did not come within the hold.")
+            said.append(f"{of}: {answers}." if answers else f"{of}: the answer did not come within the hold.")
             worst = max(response.overshoot for response in self.responses)
             said.append(f"Largest overshoot {100.0 * worst:.0f} % of the step.")
         return tuple(said) or ("The record shows neither deadband nor resolution.",)
@@ -226,7 +226,7 @@ def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...
             "each step until PV rests, or log the stem"
         )
     verdict = stem_play.detect(record)
-    told = {name: float(verdict.array(name)[0]) for name in _READ if len(verdict.array(name))}
+    sizes = {name: float(verdict.array(name)[0]) for name in _READ if len(verdict.array(name))}
     notes = [f"{few} {verdict.reason}"]
     if not timed:
         notes.append(
@@ -236,10 +236,10 @@ def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...
     deadband = jump = None
     count = len(verdict.array("S_each"))
     agree = float(np.max(verdict.array("scatter"), initial=0.0)) <= PLACES.scatter
-    if len(told) == len(_READ) and count >= PLACES.reversals and agree:
-        least, most = told["S_low"] - told["J_high"], told["S_high"] - told["J_low"]
-        deadband = Size(told["deadband"], max(least, 0.0), most, count)
-        jump = Size(told["J"], told["J_low"], told["J_high"], count)
+    if len(sizes) == len(_READ) and count >= PLACES.reversals and agree:
+        least, most = sizes["S_low"] - sizes["J_high"], sizes["S_high"] - sizes["J_low"]
+        deadband = Size(sizes["deadband"], max(least, 0.0), most, count)
+        jump = Size(sizes["J"], sizes["J_low"], sizes["J_high"], count)
     return ValveTest(record.name, "MV", "routine moves", deadband, None, jump, None, timed, (), tuple(notes), record)
 
 

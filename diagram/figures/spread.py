@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.blocks.ports import nearest
+from stickslip.diagram.figures.finding import swing
+from stickslip.diagram.figures.starting import to_cycle
 from stickslip.logs.style import CYCLE, PALE, RED
 from stickslip.logs.time_axis import time_unit
 from stickslip.logs.trend import finish_panel
@@ -41,13 +43,16 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     figure = Picture(figsize=(9.5, 3.6), layout="constrained")
     ax = figure.subplots()
     ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")
-    some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
-    for k, i in enumerate(some):
-        label = f"{len(some)} of {len(result)} variants" if k == 0 else None
+    shown = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
+    for k, i in enumerate(shown):
+        label = f"{len(shown)} of {len(result)} variants" if k == 0 else None
         ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
     label = f"variant {whole[typical]}, of median swing"
     ax.plot(t / scale, values[typical], color=CYCLE[0], linewidth=1.2, label=label)
     finish_panel(ax, [low, high])
+    one = result.log(int(whole[typical]))
+    if (found := swing(one, signal)) and not found[1]:
+        to_cycle(ax, t, np.stack([low, high, *result.values[signal][shown, ::stride], values[typical]]))
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
     unit_y = result.variants.diagram.signal_units.get(signal, "")
     ax.set_ylabel(f"{signal} [{unit_y}]" if unit_y not in ("", "1") else signal)

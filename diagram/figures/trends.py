@@ -1,7 +1,6 @@
 """Figures of what was simulated: the trends of a run with its events.
 
 Where single cycles are too narrow to see, the picture has the band that they cover, and a panel with the last cycles.
-Where a short start-up would squeeze a cycle, the axis fits the cycle, and a text says how far the start-up goes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.blocks.block import Block
 from stickslip.blocks.declared import STUCK_MODE
-from stickslip.diagram.figures.finding import cycles, finding, later, swing
+from stickslip.diagram.figures.finding import cycles, finding, swing
 from stickslip.diagram.figures.panels import choose, heading, parts_played
+from stickslip.diagram.figures.starting import to_cycle
 from stickslip.diagram.simulation import Run
 from stickslip.diagram.wired import UNNAMED
 from stickslip.engine.status import Status
@@ -30,9 +30,6 @@ POINTS = 20_000  # of a line: a run is seen as it was logged up to there
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
 DENSE = 45.0  # cycles over a run: more are hatching
 CLOSE = 6.0  # cycles in the panels beside
-SQUEEZED = 0.6  # of the axis: a cycle that has less of it is squeezed by the start-up
-START = 0.15  # of the run: what lies off a cycle later is no start-up, but a part of the story
-AROUND = 0.15  # of a cycle, above and below it
 FOOT = 0.05  # of a panel: the height of the bar that says that a stem is stuck
 
 
@@ -66,7 +63,8 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
         _panel(ax, run, shown, groups, scale, dense)
         size, named = _unit(log, shown)
         finish_panel(ax, [log[s] / size for s in shown])
-        _to_cycle(ax, log, shown, size)
+        if any((cycle := swing(log, s)) and not cycle[1] for s in shown):
+            to_cycle(ax, log.t, np.array([log[s] for s in shown]) / size)
         ax.set_ylabel(heading(shown, named))
         _legend(ax, len(shown))
     columns[-1, 0].set_xlabel(f"time [{unit}]")
@@ -127,27 +125,6 @@ def _panel(
     for block in diagram.blocks:
         if block.modes and any(signal in shown for signal in block.output_labels):
             _mark(ax, block, run, scale)
-
-
-def _to_cycle(ax: "Axes", log: Log, shown: Sequence[str], size: float) -> None:
-    """Give a panel the limits of the steady cycle in it where a short start-up squeezes it, and say where that goes."""
-    if not any((found := swing(log, s)) and not found[1] for s in shown):
-        return
-    values = np.array([log[s] for s in shown]) / size
-    late = values[:, later(log.t)]
-    low, high = float(np.nanmin(late)), float(np.nanmax(late))
-    lowest, highest = float(np.nanmin(values)), float(np.nanmax(values))
-    low, high = low - AROUND * (high - low), high + AROUND * (high - low)
-    off = log.t[((values < low) | (values > high)).any(axis=0)]
-    if high - low > SQUEEZED * (highest - lowest) or (len(off) and off[-1] - log.t[0] > START * (log.t[-1] - log.t[0])):
-        return
-    ax.set_ylim(low, high)
-    digits = max(0, 1 - int(np.floor(np.log10(high - low))))
-    for gone, value, way, height in ((lowest < low, lowest, "down", 0.1), (highest > high, highest, "up", 0.9)):
-        if gone:
-            label = f"start-up goes {way} to {value:.{digits}f}"
-            ax.annotate(label, (0.0, height), (8.0, 0.0), xycoords="axes fraction", textcoords="offset points",
-                        va="center", fontsize=8.0, color=SOFT)  # fmt: skip
 
 
 def _unit(log: Log, shown: Sequence[str]) -> tuple[float, str]:

@@ -2,7 +2,7 @@
 A verdict
 =========
 
-The trends, PV against OP, and the half cycles of the control error.
+The trends, PV against OP, and how PV moves while OP travels.
 """
 
 import stickslip as ss

@@ -111,7 +111,7 @@ def why_unused(column: str, roles: Roles) -> str:
     """Why a column of the file plays no part in the loop."""
     known = role_of(column)
     if known is None:
-        return "its name tells no part of the loop"
+        return "no part of the loop by name"
     tag, role = known
     part = "MV" if role == "STEM" else role
     if part.casefold() in roles.left_out:

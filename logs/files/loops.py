@@ -69,9 +69,12 @@ class Others:
         if not count:
             return []
         in_order = merge(self._stray.items(), own.items(), key=lambda item: item[1])
-        first = islice((column for column, _ in in_order if column not in used), _UNUSED_SHOWN)
-        shown = [f"{column!r} ({self._why(column, roles)})" for column in first]
-        rest = f" and {count - len(shown)} more" if count > len(shown) else ""
+        first = list(islice((column for column, _ in in_order if column not in used), _UNUSED_SHOWN))
+        alike: dict[str, list[str]] = {}
+        for column in first:
+            alike.setdefault(self._why(column, roles), []).append(repr(column))
+        shown = [f"{', '.join(columns)} ({why})" for why, columns in alike.items()]
+        rest = f" and {count - len(first)} more" if count > len(first) else ""
         return [f"Columns not used: {', '.join(shown)}{rest}."]
 
     def _why(self, column: str, roles: Roles) -> str:

@@ -16,7 +16,7 @@ from stickslip.logs.files.cells import with_plain_cells
 from stickslip.logs.files.form import Form, checked
 from stickslip.logs.files.frames import frame_kind, polars_frame
 from stickslip.logs.files.heading import Heading, parse_heading
-from stickslip.logs.files.influx import with_fields_named
+from stickslip.logs.files.influx import with_blocks_joined, with_fields_named
 from stickslip.logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
 from stickslip.logs.files.packed import is_workbook, unpacked
 from stickslip.logs.files.size import check_cells
@@ -188,7 +188,7 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
         text, found = workbook_text(raw)
         notes += found
     else:
-        text = decoded(raw)
+        text = with_blocks_joined(decoded(raw))
     del raw
     heading = parse_heading(_comments(text))
     table = parse_table(text, separator, split_units=heading is None)

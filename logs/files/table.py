@@ -25,7 +25,9 @@ _SEPARATORS = (";", "\t", "|", ",", " ")
 _SEPARATOR_NAMES = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", " ": "space"}
 _WORD_ROWS, _LONGEST_UNIT = 4, 20  # rows of words under a header; a longer word is a description
 _NUMBER = re.compile(r"^[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$")
-_STAMP = re.compile(r"\d{1,4}[-/. ](\d{1,2}|[A-Za-z]{3,9})[-/. ,]+\d{1,4}|\d{1,2}:\d{2}|^\d{8}[T ]?\d{4}")
+_STAMP = re.compile(
+    r"\d{1,4}[-/. ](\d{1,2}|[A-Za-z]{3,9})[-/. ,]+\d{1,4}|\d{1,2}:\d{2}|^\d{8}[T ]?\d{4}|^\d{4}\s?[年년]"
+)
 _UNIT = re.compile(r"^(?P<name>.*\S)\s*(?:[\[(](?P<unit>[^\[\]()]{0,20})[\])]|\u2028(?P<below>.{0,20}))$")
 # Behind a space and without brackets only what can be nothing else.
 PLAIN_UNIT = r"%|°[CF]|m?barg?|[kM]?Pa|psig?|mA|(?:m3|m³|Nm3|k?g|t|l)/(?:h|min|s|d)"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.logs.errors import ReadError
+from stickslip.logs.files.calendar_numbers import calendar_text, clock_text
 from stickslip.logs.files.clock_change import repaired_clock_change
 from stickslip.logs.files.form import Form
 from stickslip.logs.files.stamps import Times, parse_times
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["find_times", "oldest_first"]
 
-_STAMP = re.compile(r"\d{1,4}[-/.](\d{1,2}|[^\W\d_]{3,9})[-/.]\d{1,4}|\d{1,2}:\d{2}")
+_STAMP = re.compile(r"\d{1,4}[-/.](\d{1,2}|[^\W\d_]{3,9})[-/.]\d{1,4}|\d{1,2}:\d{2}|^\d{4}\s?[年년]")
 
+_DAY_LONG = len("2024-05-06")
 _FEW_SHARE = 0.02  # share of rows without a time that a record can do without
 
 
@@ -54,10 +56,9 @@ def find_times(table: Table, form: Form, decimal: str) -> tuple[Table, Times, se
         aside |= dict.fromkeys(by_name, "the interval is stated instead")
         return table, Times(np.arange(frame.height, dtype=np.float64) * interval), set(), aside, [note]
     notes = []
-    both = None if time is not None else _date_and_clock(frame, dates)
+    both = None if time is not None else _date_and_clock(frame)
     if both is not None:
-        used = set(both)
-        column = _joined(frame, *both)
+        used, column = both
     else:
         if time is not None:
             chosen = time
@@ -101,10 +102,35 @@ def _with_time(table: Table, column: pl.Series) -> tuple[Table, pl.Series, list[
     return replace(table, frame=table.frame.filter(~blank), lines=kept), column.filter(~blank), [note]
 
 
-def _date_and_clock(frame: pl.DataFrame, dates: list[str]) -> tuple[str, str] | None:
-    """The columns of a date and of its clock time, if they are apart."""
-    clocks = [name for name in frame.columns if is_clock_name(name) and _is_clock(frame[name])]
-    return (dates[0], clocks[0]) if dates and clocks and dates[0] != clocks[0] else None
+def _date_and_clock(frame: pl.DataFrame) -> tuple[set[str], pl.Series] | None:
+    """The columns of a date and of its clock time, if they are apart, and their stamps."""
+    days = ((name, _day(frame[name])) for name in frame.columns if is_date_name(name))
+    date, day = next(((name, day) for name, day in days if day is not None), ("", None))
+    if day is None:
+        return None
+    clocks = ((name, _clock(frame[name], day)) for name in frame.columns if is_clock_name(name) and name != date)
+    name, clock = next(((name, clock) for name, clock in clocks if clock is not None), ("", None))
+    return None if clock is None else ({date, name}, day + " " + clock)
+
+
+def _day(column: pl.Series) -> pl.Series | None:
+    """The dates of a column as text, None if it holds none."""
+    import polars as pl
+
+    if _is_date(column):
+        # Some spreadsheets write a midnight behind every date.
+        return column.cast(pl.String).str.replace(r"[ T]+0?0:00(:00(\.0+)?)?$", "")
+    calendar = calendar_text(column)
+    return calendar if calendar is not None and calendar.str.len_chars().max() == _DAY_LONG else None
+
+
+def _clock(column: pl.Series, day: pl.Series) -> pl.Series | None:
+    """The times of day of a column as text, None if it holds none; figures alone count beside a bare day."""
+    import polars as pl
+
+    if _is_clock(column):
+        return column.cast(pl.String)
+    return None if day.str.contains(":").any() else clock_text(column)
 
 
 def _is_date(column: pl.Series) -> bool:
@@ -125,14 +151,6 @@ def _is_clock(column: pl.Series) -> bool:
 
 def _is_moment(column: pl.Series) -> bool:
     return column.dtype.is_temporal() or _is_date(column) or _is_clock(column)
-
-
-def _joined(frame: pl.DataFrame, date: str, clock: str) -> pl.Series:
-    import polars as pl
-
-    # Some spreadsheets write a midnight behind every date.
-    day = pl.col(date).cast(pl.String).str.replace(r"[ T]+0?0:00(:00(\.0+)?)?$", "")
-    return frame.select(pl.concat_str(day, pl.col(clock).cast(pl.String), separator=" ")).to_series()
 
 
 def _could_be_time(column: pl.Series, decimal: str) -> bool:

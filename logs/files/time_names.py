@@ -37,9 +37,13 @@ _TIMES = {
     "horodatage", "horodate", "dateheure", "heure", "fechahora", "fecha", "hora", "tiempo", "marcadetiempo",
     "datahora", "dataora", "tempo", "tidspunkt", "tidsstempel", "tidsstampel", "dato", "datotid", "tijd", "tijdstip",
     "aikaleima", "aika", "czas", "indexlevel0",
+    "时间", "時間", "时间戳", "日期时间", "采集时间", "采样时间", "日時", "時刻", "时刻", "시간", "일시",
 }  # fmt: skip
-_DATES = {"date", "datum", "dato", "fecha", "data", "jour", "giorno", "dag"}
-_CLOCKS = {"time", "uhrzeit", "zeit", "heure", "hora", "ora", "tid", "klokkeslett", "klokkeslaet", "tijd", "timeofday"}
+_DATES = {"date", "datum", "dato", "fecha", "data", "jour", "giorno", "dag", "日期", "日付", "날짜"}
+_CLOCKS = {
+    "time", "uhrzeit", "zeit", "heure", "hora", "ora", "tid", "klokkeslett", "klokkeslaet", "tijd", "timeofday",
+    "时间", "時間", "時刻", "时刻", "시간",
+}  # fmt: skip
 
 
 def is_time_name(name: str) -> bool:
@@ -86,4 +90,4 @@ def is_clock_name(name: str) -> bool:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.casefold())
+    return re.sub(r"[^a-z0-9\u3040-\u9fff\uac00-\ud7af]", "", name.casefold())

@@ -16,7 +16,7 @@ NOT_FOR = "a gain that is not known"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    if not at.gain_told or at.T_i == float("inf") or at.lag <= 0.0:
+    if not at.gain_known or at.T_i == float("inf") or at.lag <= 0.0:
         return []
     found = []
     for times in (1.0, 3.0):

@@ -14,7 +14,7 @@ class Situation:
 
     K_p, T_i, dt : of the controller, K_p without its sign;  S, J : [unit of OP];  K : without its sign
     lag, theta : sum of the lags, dead time [s];  noise, swing : standard deviations of noise and of e [unit of PV]
-    gain_told : whether the record tells K;  op_unit, pv_unit : for the words
+    gain_known : whether the record tells K;  op_unit, pv_unit : for the words
     """
 
     K_p: float
@@ -28,7 +28,7 @@ class Situation:
     noise: float
     swing: float
     integrating: bool
-    gain_told: bool
+    gain_known: bool
     op_unit: str
     pv_unit: str
 

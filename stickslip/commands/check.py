@@ -9,6 +9,7 @@ import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.commands.reading import form_options
+from stickslip.commands.short import refuse_short
 from stickslip.commands.standard_input import with_standard_input
 from stickslip.commands.targets import check_targets, write_whole
 
@@ -71,7 +72,7 @@ def command(files: tuple[Path, ...], **stated: Any) -> None:
     Exit codes:
       0  done: no stiction, or the record leaves it open (the verdict says which)
       1  done, and stiction found
-      2  FILE cannot be read, or the request makes no sense
+      2  FILE cannot be read or is too short for any verdict, or the request makes no sense
     """
     with with_standard_input(files) as found:
         _check(found, **stated)
@@ -87,7 +88,7 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import diagnosed, with_stated
+    from stickslip.commands.one_loop import answered, diagnosed, with_stated
 
     many = several(files, stated)
     if len(many) > 1 or len(many[0].records) > 1:
@@ -102,6 +103,7 @@ def _check(
     loop = prepared(with_stated(record, measurement, span, stated["process"] is None))
     diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
+    refuse_short([answered(diagnosis)])
     say = Speaker(json_file)
     asked = simulate or (simulate is None and diagnosis.unsure)
     found = _simulated(diagnosis) if asked else ""
@@ -221,6 +223,10 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
             "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
         ]
         for verdict in diagnosis.methods
+        if verdict.applicable
     ]
-    say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
+    if rows:
+        say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
+    if silent := [verdict.method for verdict in diagnosis.methods if not verdict.applicable]:
+        say.paragraph(f"Not applicable: {', '.join(silent)}.")
     say("The verdict is the calibrated one; the methods are for comparison. --json has the reason of each.")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip.commands.console import Speaker, complain
+from stickslip.commands.short import refuse_short
 from stickslip.commands.tag_page import DAYS, tag_section
 from stickslip.commands.targets import check_targets, write_whole
 
@@ -64,7 +65,7 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
-    from stickslip.commands.one_loop import diagnosed, with_stated
+    from stickslip.commands.one_loop import answered, diagnosed, with_stated
     from stickslip.detect.prepare.prepared import prepared
 
     check_targets({"--html": html, "--json": json_file})
@@ -75,6 +76,7 @@ def check_many(
         raise ValueError("; ".join(fault for _, fault in faults))
     loops = [[prepared(with_stated(one, measurement, None, infer=True)) for one in read.records] for read in found]
     judged = [(read.file, [diagnosed(one) for one in each]) for read, each in zip(found, loops, strict=True)]
+    refuse_short(answered(one) for _, answers in judged for one in answers)
     tags = _tags(judged, loops)
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
     rows = _rows(judged, surveys)

@@ -116,9 +116,8 @@ def tell(say: Speaker, found: "LoopFit") -> None:
 def sentences(found: "LoopFit") -> list[str]:
     """Return the sentences that stand below the table of a fit."""
     law = found.controller
-    law_line = (
-        f"The controller is {law.form}, every {law.dt:g} s; its law explains {100 * law.told:.1f} % of how OP moves."
-    )
+    share = f"{100 * law.explained:.1f} %"
+    law_line = f"The controller is {law.form}, every {law.dt:g} s; its law explains {share} of how OP moves."
     kind = "integrates" if found.best.integrating else "settles by itself"
     fits = (
         f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not predicted; the "

@@ -93,6 +93,7 @@ def command(
     if earlier is not None:
         raise ValueError("--fit is given beside --model; a record is held against one of them: leave out the other")
     from stickslip.commands.own import diagram_named
+    from stickslip.detect.chances import chance
     from stickslip.gap import calibrated, diagnose
     from stickslip.logs import read_log
 
@@ -113,7 +114,7 @@ def command(
     if report.ranking:
         say.table(
             ["effect", "place", "probability"],
-            [[rank.effect, rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:SHOWN]],
+            [[rank.effect, rank.place, chance(rank.probability)] for rank in report.ranking[:SHOWN]],
         )
     say("Read and assumed:")
     for sentence in report.notes:
@@ -130,6 +131,7 @@ def without_model(
 ) -> NoReturn:
     """Say what a loop fitted to RUN lacks, or what has changed since EARLIER, and leave."""
     from stickslip.commands.fit import fitted
+    from stickslip.detect.chances import chance
     from stickslip.remedy import changes, lacks
 
     if more or signals:
@@ -140,10 +142,11 @@ def without_model(
     say("GAP" if answer.gap else "NO GAP", fg="red" if answer.gap else "green", bold=True)
     for sentence in answer.words:
         say.paragraph(sentence)
+    sizes = ["size"] if earlier is None else ["earlier", "later"]
     say.table(
-        ["effect", "place", "probability", "earlier", "later"],
+        ["effect", "place", "probability", *sizes],
         [
-            [one.effect, one.place, f"{one.probability:.3f}", str(one.earlier), str(one.later)]
+            [one.effect, one.place, chance(one.probability), *map(str, (one.earlier, one.later)[-len(sizes) :])]
             for one in answer.compared
         ],
     )
@@ -166,6 +169,7 @@ def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
 
 def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str) -> str:
     from stickslip.commands.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
+    from stickslip.detect.chances import chance
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
     first, *more = report.sentences
@@ -176,7 +180,7 @@ def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str
         reasons.figures.append(bullets("What was found", more))
     if report.ranking:
         rows = [
-            [rank.effect.replace("_", " "), rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:SHOWN]
+            [rank.effect.replace("_", " "), rank.place, chance(rank.probability)] for rank in report.ranking[:SHOWN]
         ]
         reasons.figures.append(table_to_html(["effect", "place", "probability"], rows))
     form = Section("What shape it has", "", "open", str(shape))

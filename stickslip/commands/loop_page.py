@@ -4,7 +4,7 @@ from datetime import timedelta
 from math import nan
 from typing import TYPE_CHECKING
 
-from stickslip.commands.one_loop import READ, UNLIKELY, drawn_method, shown_method
+from stickslip.commands.one_loop import READ, UNLIKELY, deciding
 
 if TYPE_CHECKING:
     from stickslip.commands.report.page import Section
@@ -246,9 +246,9 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
         )
         small.append(captioned(figure_to_svg(plot_correlation(likeness)), facts, _lag(likeness)))
     section.figures.append(side_by_side(small))
-    shown = shown_method(diagnosis)
-    if shown is not None:
-        section.figures.append(captioned(figure_to_svg(drawn_method(shown)), shown.reason, f"{_spoken(shown.method)}."))
+    drawn = deciding(diagnosis)
+    if drawn is not None:
+        section.figures.insert(0, captioned(*drawn))
     return section
 
 
@@ -275,10 +275,6 @@ def _lag(found: "Correlation") -> str:
     return (
         f"Correlation: PV follows OP by {found.lag:.3g} s (r = {found.at_lag:.2f}); at no lag r = {found.at_zero:.2f}."
     )
-
-
-def _spoken(method: str) -> str:
-    return method.replace("_", " ").capitalize()
 
 
 def _methods(diagnosis: "Diagnosis") -> "Section | None":

@@ -3,12 +3,9 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from stickslip.commands.report.page import Section
     from stickslip.detect import Diagnosis
     from stickslip.detect.prepare.prepared import Prepared
-    from stickslip.detect.verdict import Verdict
     from stickslip.logs import LoopRecord
 
 
@@ -47,6 +44,12 @@ def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
         return diagnose(record)
 
 
+def answered(diagnosis: "Diagnosis") -> tuple[str, int, bool]:
+    """Return name and rows of a loop, and whether the verdict or a method says something on it."""
+    spoken = diagnosis.verdict != "not_applicable" or any(method.applicable for method in diagnosis.methods)
+    return diagnosis.loop, len(diagnosis.record), spoken
+
+
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
     from stickslip.commands.report.page import Section
@@ -70,7 +73,7 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
 
 
 def pictures_of(diagnosis: "Diagnosis") -> list[str]:
-    """Return what shows a verdict on a page of several: the trend with PV against OP, and one method's evidence."""
+    """Return what shows a verdict on a page of several: the trend with PV against OP, and what decided."""
     from math import nan
 
     from stickslip.commands.report.page import beside, captioned, figure_to_svg
@@ -85,21 +88,19 @@ def pictures_of(diagnosis: "Diagnosis") -> list[str]:
         return [trend]
     small = figure_to_svg(plot_pv_op(record, period, None))
     pictures = [beside(captioned(trend, "", moved) if moved else trend, captioned(small, "PV against OP."))]
-    shown = shown_method(diagnosis)
-    return pictures if shown is None else [*pictures, figure_to_svg(drawn_method(shown))]
+    drawn = deciding(diagnosis)
+    return pictures if drawn is None else [*pictures, captioned(*drawn)]
 
 
-def shown_method(diagnosis: "Diagnosis") -> "Verdict | None":
-    """Return the method whose evidence is drawn: the first that has any, a voter if possible."""
-    drawn = [v for v in diagnosis.methods if v.draw is not None and len(v.evidence)]
-    return next(iter(sorted(drawn, key=lambda v: v.experimental)), None)
-
-
-def drawn_method(verdict: "Verdict") -> "Figure":
-    """Return the evidence of a method as a picture as wide as a page."""
-    from stickslip.detect.figures.verdict import draw_evidence
+def deciding(diagnosis: "Diagnosis") -> tuple[str, str, str] | None:
+    """Return what decided, as a picture as wide as a page with its caption and title; None where nothing is drawn."""
+    from stickslip.commands.report.page import figure_to_svg
+    from stickslip.detect.figures.deciding import draw_deciding, what_decided
     from stickslip.logs.picture import Picture
 
+    words = what_decided(diagnosis)
+    if words is None:
+        return None
     figure = Picture(figsize=(9.6, 3.7), layout="constrained")
-    draw_evidence(verdict, figure)
-    return figure
+    draw_deciding(diagnosis, figure)
+    return figure_to_svg(figure), words[1], f"{words[0]}."

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.commands.console import Speaker, complain, json_option, user_errors
+from stickslip.commands.short import refuse_short
 from stickslip.commands.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def command(
     Exit codes:
       0  done, and no loop with stiction found
       1  done, and stiction found in at least one loop
-      2  SOURCE cannot be read, or the request makes no sense
+      2  SOURCE cannot be read or is too short for any verdict, or the request makes no sense
     130  stopped by Ctrl-C; the same command goes on
     """
     check_targets({"--html": html, "--csv": csv_file, "--json": json_file}, source=Path(source))
@@ -87,6 +88,8 @@ def command(
     except KeyboardInterrupt:
         complain(f"stopped by the keyboard; what is done is kept in {out}: the same command goes on from there")
         raise SystemExit(130) from None
+    judged = result.table.select("loop", "samples", "verdict").drop_nulls("verdict").iter_rows()
+    refuse_short((loop, rows, verdict != "not_applicable") for loop, rows, verdict in judged)
     _tell(say, result)
     beside: dict[str, Any] = {}
     if simulate is not None:

@@ -71,7 +71,7 @@ def command(
         {"--out": LOGS, "--plot": PICTURES, "--diagram": PICTURES},
     )
     params = parameters(settings)
-    span, step = _times(chosen, duration, every)
+    span, step = times_of(chosen, duration, every)
     from stickslip.diagram import simulate
 
     built = chosen.build()
@@ -134,7 +134,7 @@ def _cases() -> list[dict[str, str]]:
     return [{"name": case.name, "title": case.title, "about": case.about} for case in map(find, names())]
 
 
-def _times(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:
+def times_of(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:
     """Return duration and log interval [s]; refuse what would fill the memory before the run."""
     span = case.duration if duration is None else duration
     step = every if every is not None else min(case.every, span) if span > 0.0 else case.every

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.commands.short import too_short
+from stickslip.commands.short import refuse_short
 from stickslip.commands.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ PICTURES = (".png", ".svg", ".pdf")
     help="Only this method, or your own FILE.py:FUNCTION; repeatable.",
 )
 @click.option("--loop", "loops", multiple=True, metavar="TAG", help="Only this loop; repeatable.")
+@click.option("--duration", type=float, metavar="SECONDS", help="Time to simulate a case, instead of the case's own.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV with loop, label, tag: score each method by tag.")
 @click.option("--cards", is_flag=True, help="Show what each method is, with its measured rates, and stop.")
@@ -42,7 +43,8 @@ PICTURES = (".png", ".svg", ".pdf")
 @json_option
 @user_errors
 def command(
-    sources: tuple[str, ...], chosen: tuple[str, ...], loops: tuple[str, ...], process: "Process | None",
+    sources: tuple[str, ...], chosen: tuple[str, ...], loops: tuple[str, ...], duration: float | None,
+    process: "Process | None",
     labels: Path | None, cards: bool,
     simulated: int | None, seed: int, csv_file: Path | None, html: Path | None, picture: Path | None,
     json_file: str | None,
@@ -58,7 +60,7 @@ def command(
       stickslip table ideal_high ideal_integrating
       stickslip table plant_1_high --loop PCS11 --loop LCS11
       stickslip table --simulated 20
-      stickslip table my_loop.py:loop --method my_detector.py:detect --method area_ratio
+      stickslip table my_loop.py:loop --duration 7200 --method my_detector.py:detect --method area_ratio
       stickslip table FIC101.csv --method area_ratio --method play_fit
       stickslip table records --labels labels.csv
       stickslip table exports --csv table.csv --html table.html
@@ -98,9 +100,10 @@ def command(
             [replace(record, name=f"{i}: {truth.group}") for i, (record, truth) in enumerate(made)], methods
         )
     else:
-        found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
-    if short := too_short([(judged.loop, judged.samples, judged.verdicts) for judged in found.loops]):
-        raise ValueError(short)
+        found = compare(
+            [_opened(source, duration) for source in sources], methods, process=process, loops=loops or None
+        )
+    refuse_short((one.loop, one.samples, any(v.applicable for v in one.verdicts)) for one in found.loops)
     _tell(say, found)
     scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:
@@ -138,16 +141,20 @@ def _methods(chosen: tuple[str, ...]) -> "list[Method]":
     return [method_named(name) for name in dict.fromkeys(chosen)] if chosen else list(METHODS)
 
 
-def _opened(source: str):  # type: ignore[no-untyped-def]
-    """Return the path of a file or folder, or the case of that name."""
+def _opened(source: str, duration: float | None):  # type: ignore[no-untyped-def]
+    """Return the path of a file or folder, or the case of that name, of that ``duration`` [s] if one is given."""
     if Path(source).exists():
+        if duration is not None:
+            raise ValueError(f"--duration {duration:g}: '{source}' is a record and is not simulated; leave it out")
         return Path(source)
     from stickslip.cases import names
     from stickslip.commands.own import case_named, is_own
+    from stickslip.commands.simulate import times_of
 
     if source not in names() and not is_own(source):
         raise ValueError(f"'{source}' is no file, no folder and no case; the cases are {', '.join(names())}")
-    return case_named(source, "SOURCE")
+    case = case_named(source, "SOURCE")
+    return replace(case, duration=times_of(case, duration, None)[0])
 
 
 def _tell(say: Speaker, found: "Comparison") -> None:

@@ -7,7 +7,8 @@ from tests.architecture.house import FILES, PACKAGES, offenders, parsed
 
 OWN = {"told", "telling", "looked", "sureness", "floors"}  # words that only this house used so
 PLAIN_ROOMS = (  # a room that is rewritten is added here, and stays so
-    "blocks", "calibration", "cases", "diagram", "engine", "logs", "plant", "scan", "stickslip", "study",
+    "blocks", "calibration", "cases", "detect", "diagram", "engine", "logs", "plant", "remedy", "scan", "stickslip",
+    "study",
 )  # fmt: skip
 METAPHORS = {"cast", "crew", "company", "casting", "books", "portfolio", "member", "members", "layer", "layers"}
 
@@ -63,7 +64,7 @@ def test_numbers_are_named_with_their_unit() -> None:
 
 def test_files_are_short() -> None:
     lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
-    assert lengths[-1] < 375 and lengths[len(lengths) * 9 // 10] < 300
+    assert lengths[-1] <= 360 and lengths[len(lengths) * 9 // 10] < 300
 
 
 def test_no_room_is_above_a_quarter_of_the_house():

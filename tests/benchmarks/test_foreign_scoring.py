@@ -113,9 +113,9 @@ def test_the_unseen_plants_are_asked_with_the_others_or_alone_and_counted_apart(
     monkeypatch.setattr(command, "diagnosed", _none_found)
 
     def counted(only: str, place: str) -> float:
-        told = Namespace(only=only, quick=True, part=(0, 0), folder=tmp_path / place, minutes=1.0, csv=None,
+        options = Namespace(only=only, quick=True, part=(0, 0), folder=tmp_path / place, minutes=1.0, csv=None,
                          json=str(tmp_path / f"{place}.json"))  # fmt: skip
-        assert command.foreign(told)
+        assert command.foreign(options)
         return json.loads((tmp_path / f"{place}.json").read_text())["plants"]
 
     assert counted("foreign", "both") == 1
@@ -130,9 +130,9 @@ def test_the_command_prints_what_it_counted(tmp_path, monkeypatch, capsys):
     for room in (trial, command):
         monkeypatch.setattr(room, "wired", lambda name: (lambda: None) if name == "cone" else None)
     monkeypatch.setattr(command, "diagnosed", _none_found)
-    told = Namespace(only="foreign", quick=True, part=(0, 0), folder=tmp_path, minutes=1.0, csv=tmp_path / "rows.csv",
+    given = Namespace(only="foreign", quick=True, part=(0, 0), folder=tmp_path, minutes=1.0, csv=tmp_path / "rows.csv",
                      json=str(tmp_path / "out.json"))  # fmt: skip
-    assert command.foreign(told)
+    assert command.foreign(given)
     out = capsys.readouterr().out
     assert "no model of " in out and "1 of 1 records" in out and "a quick run is too short" in out
     assert json.loads((tmp_path / "out.json").read_text())["plants"] == 1

@@ -49,9 +49,9 @@ def test_a_positioner_leaves_the_dead_travel_that_was_drawn():  # analytic: f_s 
 
 def test_nothing_that_is_drawn_tells_which_loops_stick():
     drawn = draw(6000, 1)
-    told = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
-    assert len(told) > 50
-    assert {name: value for name, value in told.items() if abs(value - 0.5) > LEAK} == {}
+    leaked = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
+    assert len(leaked) > 50
+    assert {name: value for name, value in leaked.items() if abs(value - 0.5) > LEAK} == {}
 
 
 def test_a_leak_is_found():
@@ -68,8 +68,8 @@ def test_loops_are_the_same_again_and_finite():
 def test_a_row_is_judged_and_scored():
     rows = [judged(run) for run in runs(2, 4)]
     assert {"kind", "word", "p", "S", "shows"} <= set(rows[0])
-    told = [{"kind": kind, "word": "inconclusive", "p": p} for kind, p in (("sticks", 0.9), ("sound", 0.2))] * 20
-    assert figures(told)["auc"] == 1.0 and figures(told)["found"] == 1.0 and figures(told)["cleared"] == 0.0
+    rows = [{"kind": kind, "word": "inconclusive", "p": p} for kind, p in (("sticks", 0.9), ("sound", 0.2))] * 20
+    assert figures(rows)["auc"] == 1.0 and figures(rows)["found"] == 1.0 and figures(rows)["cleared"] == 0.0
 
 
 def test_probabilities_that_are_right_err_by_chance_alone():  # analytic: mean of |N(0, 0.25 / n)| is 0.4 / sqrt(n)

@@ -26,9 +26,9 @@ def test_the_variants_are_what_they_say(made):  # analytic: shares of 1,000 rows
 
 
 def row(real, word, words, p=0.5):
-    told = dict.fromkeys(VARIANTS, word) | words
+    word_of = dict.fromkeys(VARIANTS, word) | words
     return {"key": "a", "real": real, "kind": "sticks", "word ": word, "p ": p} | {
-        f"{what} {v}": value for v in VARIANTS for what, value in (("word", told[v]), ("p", p))
+        f"{what} {v}": value for v in VARIANTS for what, value in (("word", word_of[v]), ("p", p))
     }
 
 

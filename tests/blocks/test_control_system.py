@@ -150,8 +150,8 @@ def test_a_parameter_may_be_an_integer(later):
     assert run.log["y"][-1] == pytest.approx(3.0 if later else 2.0, abs=1e-6)  # analytic: rests at n u
     with pytest.raises(TypeError) as caught:
         simulate(diagram, 1.0, inputs={"u": 1.0}, params={"stages.n": 2.5})
-    told = " ".join(caught.value.__notes__)
-    assert "'stages'" in told and "n = 2.5" in told and "whole number" in told
+    notes = " ".join(caught.value.__notes__)
+    assert "'stages'" in notes and "n = 2.5" in notes and "whole number" in notes
 
 
 def test_an_output_that_does_not_mention_the_input_does_not_follow_it_at_once():

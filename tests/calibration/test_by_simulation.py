@@ -91,8 +91,8 @@ def test_a_clear_stick_and_a_clear_disturbance_are_told_apart() -> None:
     assert sum(a.causes.values()) == pytest.approx(1.0, abs=1e-9) and max(a.causes, key=a.causes.get) == "stiction"
     assert a.S.low < 10.0 < a.S.high and a.S.low < a.S.value < a.S.high
     assert a.loops > 280 and a.area > 0.7 and a.false_alarms <= 0.07
-    told = a.to_dict()
-    assert told["amount"]["S"]["unit"] == "% of OP" and set(told) >= {"causes", "detection_limit", "loops"}
+    content = a.to_dict()
+    assert content["amount"]["S"]["unit"] == "% of OP" and set(content) >= {"causes", "detection_limit", "loops"}
     assert "loops were simulated under the conditions of this record" in a.sentences[0]
 
 

@@ -40,15 +40,15 @@ def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
     net = fit(made(1600), said.append, passes=4)
     assert len(said) == 4 and float(said[-1].split()[-1]) < float(said[0].split()[-1])
     fresh = made(300)
-    told = np.array([net.scores(x[:, :n].astype(np.float32)) for x, n in zip(fresh.x, fresh.length, strict=True)])
+    scores = np.array([net.scores(x[:, :n].astype(np.float32)) for x, n in zip(fresh.x, fresh.length, strict=True)])
     bad = fresh.group == "excited"
-    assert auc(told[:, net.names.index("sticky")], bad) > 0.9
-    assert np.corrcoef(told[bad, -2], fresh.size[bad, 0])[0, 1] > 0.5
+    assert auc(scores[:, net.names.index("sticky")], bad) > 0.9
+    assert np.corrcoef(scores[bad, -2], fresh.size[bad, 0])[0, 1] > 0.5
     model = models[0].eval()
     with torch.no_grad():  # all records in one batch, the short ones filled up with zeros
         z, size = model(torch.from_numpy(fresh.x[:, :, :144].astype(np.float32)), torch.from_numpy(fresh.length))
-    assert told[:, :3] == pytest.approx(torch.log_softmax(z, 1).numpy().clip(LEAST), abs=1e-3)
-    assert told[:, -2:] == pytest.approx(size[:, :2].numpy(), abs=1e-3)
+    assert scores[:, :3] == pytest.approx(torch.log_softmax(z, 1).numpy().clip(LEAST), abs=1e-3)
+    assert scores[:, -2:] == pytest.approx(size[:, :2].numpy(), abs=1e-3)
 
 
 def test_signals_are_kept_and_equal_when_made_again(monkeypatch, tmp_path):
@@ -89,8 +89,8 @@ def test_a_network_that_goes_on_is_at_first_the_one_it_began_with():
     model.fc.training = model.training = False  # drops nothing
     with torch.no_grad():
         z, _ = model(x, torch.tensor([144]))
-    told = begun.scores(x[0].numpy())[: len(begun.kinds)]
-    assert told == pytest.approx(torch.log_softmax(z, 1)[0].numpy().clip(LEAST), abs=1e-3)
+    scores = begun.scores(x[0].numpy())[: len(begun.kinds)]
+    assert scores == pytest.approx(torch.log_softmax(z, 1)[0].numpy().clip(LEAST), abs=1e-3)
 
 
 def test_a_network_that_goes_on_refuses_kinds_that_it_does_not_know():

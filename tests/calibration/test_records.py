@@ -19,9 +19,9 @@ def test_equal_specs_give_equal_records_whatever_runs_beside_them() -> None:
     specs = draw(24, seed=2)
     together = simulate(specs, workers=2)
     for i in (0, 5, 11, 23):
-        (alone, truth), (loop, told) = simulate([specs[i]], workers=1)[0], together[i]
+        (alone, truth), (loop, other) = simulate([specs[i]], workers=1)[0], together[i]
         assert loop.pv.tolist() == alone.pv.tolist() and loop.op.tolist() == alone.op.tolist()
-        assert repr(truth) == repr(told)
+        assert repr(truth) == repr(other)
 
 
 def test_specs_are_plain_and_a_set_may_be_drawn_in_parts() -> None:
@@ -40,10 +40,10 @@ def test_most_of_the_sticky_loops_are_moved_by_something_else_where_that_is_aske
 
 
 def test_a_level_with_a_deadband_cycles_and_is_no_stiction() -> None:
-    told = [truth for _, truth in simulate(draw(40, seed=3, kinds="levels"), workers=1)]
-    assert {truth.cause for truth in told} == {"deadband"} and {truth.process for truth in told} == {"integrating"}
-    assert all(np.isnan(truth.S) or truth.J == 0.0 for truth in told)
-    assert sum(truth.cycling for truth in told) > 10
+    truths = [truth for _, truth in simulate(draw(40, seed=3, kinds="levels"), workers=1)]
+    assert {truth.cause for truth in truths} == {"deadband"} and {truth.process for truth in truths} == {"integrating"}
+    assert all(np.isnan(truth.S) or truth.J == 0.0 for truth in truths)
+    assert sum(truth.cycling for truth in truths) > 10
 
 
 def test_bad_requests_are_refused() -> None:
@@ -103,40 +103,42 @@ BARE = {
 def pair(**change: object) -> tuple:
     """Return a record without defects and the same with one."""
     bare = replace(one("external_sine", (3, 4)), **BARE)  # type: ignore[arg-type]
-    (a, clean), (b, told) = simulate([bare, replace(bare, **change)])  # type: ignore[arg-type]
+    (a, clean), (b, defects) = simulate([bare, replace(bare, **change)])  # type: ignore[arg-type]
     assert clean.defects == ()
-    return a, b, told.defects
+    return a, b, defects.defects
 
 
 def test_each_defect_is_really_there() -> None:
-    clean, noisy, told = pair(noise=0.1)
+    clean, noisy, defects = pair(noise=0.1)
     size = np.ptp(clean.pv)
-    assert told == ("noise",) and 0.05 * size < np.std(np.diff(noisy.pv) - np.diff(clean.pv)) < 0.3 * size
-    clean, rough, told = pair(step_pv=8.0)
-    assert told == ("rounded_pv",) and len(np.unique(rough.pv.round(9))) <= 11 < len(np.unique(clean.pv))
-    clean, rough, told = pair(step_op=8.0)
-    assert told == ("rounded_op",) and len(np.unique(rough.op.round(9))) <= 11
-    clean, rough, told = pair(coarse=3.0)
-    assert told == ("coarse_transmitter",) and len(np.unique(rough.pv.round(9))) <= 8
-    clean, pressed, told = pair(door=0.05)
+    assert defects == ("noise",) and 0.05 * size < np.std(np.diff(noisy.pv) - np.diff(clean.pv)) < 0.3 * size
+    clean, rough, defects = pair(step_pv=8.0)
+    assert defects == ("rounded_pv",) and len(np.unique(rough.pv.round(9))) <= 11 < len(np.unique(clean.pv))
+    clean, rough, defects = pair(step_op=8.0)
+    assert defects == ("rounded_op",) and len(np.unique(rough.op.round(9))) <= 11
+    clean, rough, defects = pair(coarse=3.0)
+    assert defects == ("coarse_transmitter",) and len(np.unique(rough.pv.round(9))) <= 8
+    clean, pressed, defects = pair(door=0.05)
     straight = np.abs(np.diff(pressed.pv, 2)) < 1e-9 * size
-    assert told == ("compressed",) and straight.mean() > 0.5 > 0.1 > np.abs(pressed.pv - clean.pv).max() / size - 0.05
-    clean, stale, told = pair(stale=0.3)
+    assert (
+        defects == ("compressed",) and straight.mean() > 0.5 > 0.1 > np.abs(pressed.pv - clean.pv).max() / size - 0.05
+    )
+    clean, stale, defects = pair(stale=0.3)
     held = (np.diff(stale.pv) == 0.0) & (np.diff(stale.op) == 0.0)
-    assert told == ("stale",) and 0.15 < held.mean() < 0.45
-    clean, moved, told = pair(sp_move=1.0, sp_hold=5.0)
-    assert told == ("sp_moves",) and np.ptp(clean.sp) == 0.0 < np.ptp(moved.sp)
-    clean, walked, told = pair(walk=1.0)
+    assert defects == ("stale",) and 0.15 < held.mean() < 0.45
+    clean, moved, defects = pair(sp_move=1.0, sp_hold=5.0)
+    assert defects == ("sp_moves",) and np.ptp(clean.sp) == 0.0 < np.ptp(moved.sp)
+    clean, walked, defects = pair(walk=1.0)
     slow = np.convolve(walked.op - clean.op, np.ones(50) / 50.0, "valid")
-    assert told == ("walking_load",) and np.ptp(slow) > 0.2 * np.ptp(clean.op)
-    _, lost, told = pair(sp_logged=False)
-    assert told == ("no_sp",) and lost.sp is None
-    _, lost, told = pair(process_known=False)
-    assert told == ("unknown_process",) and lost.process == "unknown"
-    clean, lost, told = pair(span_known=False)
-    assert told == ("unknown_span",) and lost.op_span is None and np.corrcoef(lost.op, clean.op)[0, 1] > 1.0 - 1e-9
-    _, _, told = pair(points=5.5)
-    assert told == ("few_points",)
+    assert defects == ("walking_load",) and np.ptp(slow) > 0.2 * np.ptp(clean.op)
+    _, lost, defects = pair(sp_logged=False)
+    assert defects == ("no_sp",) and lost.sp is None
+    _, lost, defects = pair(process_known=False)
+    assert defects == ("unknown_process",) and lost.process == "unknown"
+    clean, lost, defects = pair(span_known=False)
+    assert defects == ("unknown_span",) and lost.op_span is None and np.corrcoef(lost.op, clean.op)[0, 1] > 1.0 - 1e-9
+    _, _, defects = pair(points=5.5)
+    assert defects == ("few_points",)
 
 
 def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

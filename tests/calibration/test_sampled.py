@@ -140,25 +140,27 @@ SINE = {"shape": 0.0, "amplitude": 6.0, "period": 97.0}
 
 
 def test_a_creeping_valve_that_does_not_give_is_that_of_chen() -> None:
-    told = creeping(SINE)
-    assert np.ptp(told["MV"]) > 5.0 and np.abs(told["MV"] - told["chen"]).max() < 1e-12  # analytic: the same balance
+    signals = creeping(SINE)
+    assert (
+        np.ptp(signals["MV"]) > 5.0 and np.abs(signals["MV"] - signals["chen"]).max() < 1e-12
+    )  # analytic: the same balance
 
 
 def test_a_creeping_valve_gives_as_dahl_says_until_it_breaks_away() -> None:
     give, force = 0.1, 3.0  # force to break away (S + J)/2
-    told = creeping({"slope": 0.02}, give=give)
-    stuck = np.arange(len(told["OP"])) < np.argmax(np.diff(told["MV"]) > 1.0)
-    held = told["OP"] - told["MV"]
+    signals = creeping({"slope": 0.02}, give=give)
+    stuck = np.arange(len(signals["OP"])) < np.argmax(np.diff(signals["MV"]) > 1.0)
+    held = signals["OP"] - signals["MV"]
     # analytic: MV = -give ln(1 - F/F_max) with F_max = force / LEAVES, on a load that only grows
     expected = -give * np.log(1.0 - held[stuck] * LEAVES / force)
-    assert told["MV"][stuck] == pytest.approx(expected, abs=0.01 * give)
+    assert signals["MV"][stuck] == pytest.approx(expected, abs=0.01 * give)
     assert held[stuck].max() == pytest.approx(force, abs=0.03)
-    assert np.diff(told["MV"]).max() == pytest.approx(2.0, abs=0.05)  # it slips by J
+    assert np.diff(signals["MV"]).max() == pytest.approx(2.0, abs=0.05)  # it slips by J
 
 
 def test_the_jumps_of_a_creeping_valve_differ_as_asked() -> None:
-    told = creeping(SINE, scans=30_000, uneven=0.2)
-    jumps = np.abs(np.diff(told["MV"]))
+    signals = creeping(SINE, scans=30_000, uneven=0.2)
+    jumps = np.abs(np.diff(signals["MV"]))
     slips = jumps[jumps > 0.7]
     assert len(slips) > 400
     assert np.std(np.log(slips)) == pytest.approx(0.2, abs=0.04)  # what OP moves within a scan is small

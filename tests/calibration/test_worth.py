@@ -10,14 +10,14 @@ LOOPS = 240  # half sticky; the standard error of AUC is 0.017, that of the shar
 
 
 def test_the_shipped_model_is_worth_what_the_page_says() -> None:
-    told = table(simulate(draw(LOOPS, seed=61)))
-    found = score(calibrated(), told)
+    features = table(simulate(draw(LOOPS, seed=61)))
+    found = score(calibrated(), features)
     assert found["auc"] > 0.92
     assert found["coverage"] > 0.65
     assert found["false_alarm"] < 0.06
     assert found["calibration_error"] < 0.13  # snapshot 0.109: the odds are those of crossed loops, too modest here
     assert found["s_error"] < 0.15 and found["j_error"] < 0.25
-    seen = told.rows(told.seen)
+    seen = features.rows(features.seen)
     assert auc(seen.x[:, seen.names.tolist().index("network_sticky")], seen.sticky) > 0.9  # the network by itself
 
 

@@ -67,7 +67,7 @@ def test_without_play_there_is_none():
     u = swings()
     y = lfilter([0.05], [1, -0.95], np.concatenate([np.zeros(5), u[:-5]]))
     found = fit(u, y + 0.02 * np.random.default_rng(0).normal(size=len(u)), 47.0)
-    assert found.ratio < 1.05 and found.told_without > 0.99
+    assert found.ratio < 1.05 and found.explained_without > 0.99
 
 
 @pytest.mark.parametrize("valve", ["kano", "choudhury", "he"])

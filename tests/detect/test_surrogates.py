@@ -34,8 +34,8 @@ def test_forecasts_as_a_plain_loop_makes_them():
     last = range(len(x) - E - H + 1)
     for i in last:
         away = sorted((np.sum((x[i : i + E] - x[j : j + E]) ** 2), j) for j in last if abs(i - j) >= E)
-        told = np.mean([x[j + E - 1 + H] for _, j in away[:K]])
-        wrong.append((x[i + E - 1 + H] - told) ** 2)
+        predicted = np.mean([x[j + E - 1 + H] for _, j in away[:K]])
+        wrong.append((x[i + E - 1 + H] - predicted) ** 2)
     assert forecast_error(x[None], E, H, K)[0] == pytest.approx(np.mean(wrong))
 
 

@@ -33,8 +33,8 @@ def test_weak_days_that_the_model_leaves_open_are_found_together():
     assert found.answer.S.value == pytest.approx(2.0, rel=0.25) and found.answer.S.unit == "% of OP"
     assert "8 records of one valve, by themselves 8 inconclusive" in found.answer.reason
     assert found.answer.probability > OPEN.probability and len(found.rows) == 8
-    told = found.to_dict()
-    assert told["agreeing"] >= 5 and len(told["records"]) == 8 and all("S" in day for day in told["records"])
+    content = found.to_dict()
+    assert content["agreeing"] >= 5 and len(content["records"]) == 8 and all("S" in day for day in content["records"])
     assert [len(axes.get_title(loc="left")) > 0 for axes in found.plot().axes] == [True] * 3
 
 

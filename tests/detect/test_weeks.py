@@ -35,6 +35,9 @@ def test_a_weak_stick_of_every_day_is_found_by_the_week(weak):
     found = answer_over_days(Prepared(weak))
     own = [answer(Prepared(day)) for day in days_of(weak)]
     assert found.word == "stiction" and sum(one.word == "stiction" for one in own) < len(own)
+    assert found.picture == "dead_travel" and found.because[0].startswith("Of all days together: "), (
+        "what the sum decides"
+    )
     assert found.probability > np.median([one.probability for one in own])
     assert found.S.low < 1.6 < found.S.high
     assert found.reason.startswith("7 days of one valve, by themselves")
@@ -55,9 +58,9 @@ def test_a_sound_week_is_not_accused_and_states_what_it_excludes():
 
 def test_check_and_scan_say_the_same_of_a_week(weak):
     found = answer_over_days(Prepared(weak))
-    told, row = diagnose(weak, []), row_of(weak)
-    assert told.verdict == row["verdict"] == found.word
-    assert told.probability == row["probability"] == found.probability
+    alone, row = diagnose(weak, []), row_of(weak)
+    assert alone.verdict == row["verdict"] == found.word
+    assert alone.probability == row["probability"] == found.probability
 
 
 def test_a_week_whose_stem_is_logged_is_judged_by_it():

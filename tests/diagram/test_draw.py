@@ -166,8 +166,8 @@ def test_the_plant_fits_a_page():
     figure = plant.plot()
     width, height = 72.0 * figure.get_size_inches()
     assert width <= WIDEST + 40.0 and height < 2.0 * width, "1600 pixels wide at the size of its text"
-    told = [text.get_text() for text in figure.axes[0].texts]
-    assert {block.name for block in plant.blocks} <= set(told), "every block is there"
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert {block.name for block in plant.blocks} <= set(texts), "every block is there"
 
 
 def test_a_loop_stands_in_one_line_with_its_feedback_below():
@@ -221,8 +221,8 @@ def test_every_name_signal_unit_and_value_is_told():
         assert expected in texts
     assert "$K_{p}$ = 0.4" in texts and "$F_{s}$ = 2250" in texts and "$\\tau$ = 10" in texts
     tank = wire([Step("F", 1.0, unit="m3/s"), Gain("V", "F", 2.0, unit="m3")], outputs=["V"], name="tank")
-    told = [text.get_text() for text in draw(tank).axes[0].texts]
-    assert "F [m3/s]" in told and "V [m3]" in told
+    texts = [text.get_text() for text in draw(tank).axes[0].texts]
+    assert "F [m3/s]" in texts and "V [m3]" in texts
 
 
 def test_open_ends_are_ovals():
@@ -263,9 +263,9 @@ def test_the_plant_is_folded_by_unit_to_fit_a_page():
     check_drawing(plant, folded)
     figure = plant.plot(folded)
     assert figure.get_figheight() < 0.3 * plant.plot().get_figheight()
-    told = [text.get_text() for text in figure.axes[0].texts]
-    assert {"separator 1", "13 blocks"} <= set(told)
-    assert any("VPCS1" in text for text in told), "what is inside is said"
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert {"separator 1", "13 blocks"} <= set(texts)
+    assert any("VPCS1" in text for text in texts), "what is inside is said"
     home = {name: unit for unit, names in folded.items() for name in names}
     crossing = {
         signal
@@ -281,6 +281,6 @@ def test_a_sum_shows_the_sign_of_each_input():
     from stickslip.blocks import Sum
 
     parts = [Step("SP", 0.5), Step("PV", 0.2), Step("F", 1.0), Sum("e", {"SP": 1.0, "PV": -1.0, "F": -0.5})]
-    told = [text.get_text() for text in draw(wire(parts, outputs=["e"])).axes[0].texts]
-    signs = {text.split()[0] + (" 0.5" if "0.5 ×" in text else "") for text in told if text[0] in "+−"}
+    texts = [text.get_text() for text in draw(wire(parts, outputs=["e"])).axes[0].texts]
+    signs = {text.split()[0] + (" 0.5" if "0.5 ×" in text else "") for text in texts if text[0] in "+−"}
     assert signs == {"+", "−", "− 0.5"}

@@ -186,10 +186,12 @@ def test_ctrl_c_does_not_wait_for_a_long_variant():
 
 
 def test_progress_is_told_to_the_end():
-    told = []
-    ensemble(LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, variants: told.append((done, variants)))
-    assert told[-1] == (7, 7)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    progress = []
+    ensemble(
+        LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, variants: progress.append((done, variants))
+    )
+    assert progress[-1] == (7, 7)
+    assert [done for done, _ in progress] == sorted(done for done, _ in progress)
 
 
 def test_a_bar_is_drawn_on_standard_error_only(capsys):

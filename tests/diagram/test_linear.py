@@ -284,8 +284,8 @@ def test_a_pole_has_one_time_constant():
     A = np.array([[-0.1, 0.1, 0.0, 0.0, 0.0], [-0.1, -0.1, 0.0, 0.0, 0.0], [0.0, 0.0, -3.0, 0.0, 0.0],
                   [0.0, 0.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, -2.0, 0.0]])  # fmt: skip
     poles = poles_of(A, list("abcde"), np.ones(5))
-    told = [float(row[1]) for row in table(poles)]
-    assert told == [pytest.approx(1 / 3, rel=1e-3), float("inf"), pytest.approx(10.0)]
+    damping = [float(row[1]) for row in table(poles)]
+    assert damping == [pytest.approx(1 / 3, rel=1e-3), float("inf"), pytest.approx(10.0)]
     axes = plot_poles(poles).axes[0]
     dots = [float(line.get_xdata()[0]) for line in axes.lines if line.get_marker() == "o"]
     assert dots == [pytest.approx(1 / 3), pytest.approx(10.0)]
@@ -298,8 +298,8 @@ def test_pictures_show_what_was_found():
     assert len(words) == len(linear.poles) and "shaft[w]" in words and "PCS12[z]   held" in words
     figure = linear.bode(["PCS11", "LCS11"])
     gain = figure.axes[0]
-    told = [text.get_text() for text in gain.get_legend().get_texts()]
-    assert told[0].startswith("PCS11: 0.474 rad/s, phase margin 90")  # snapshot
+    labels = [text.get_text() for text in gain.get_legend().get_texts()]
+    assert labels[0].startswith("PCS11: 0.474 rad/s, phase margin 90")  # snapshot
     crossing = [line for line in gain.lines if len(line.get_xdata()) == 1]
     assert float(crossing[0].get_xdata()[0]) == pytest.approx(linear.loop("PCS11").crossover)
     array = linear.rga(PAIRED).plot().axes[0]

@@ -244,6 +244,15 @@ def test_a_short_start_up_does_not_squeeze_the_cycle():
         assert low > 0.0 and any(text.get_text().startswith("start-up goes down to 0") for text in ax.texts)
 
 
+def test_nor_the_cycles_of_an_ensemble():
+    result = ensemble(wire(README), 600.0, params={"valve.F_s": np.linspace(2250.0, 2400.0, 3)}, every=0.5)
+    (ax,) = result.plot("PV").axes
+    low, high = ax.get_ylim()
+    late = result.values["PV"][:, result.t >= 300.0]
+    assert low < late.min() < late.max() < high and np.ptp(late) > 0.6 * (high - low), "the cycles fill the panel"
+    assert any(text.get_text().startswith("start-up goes down to 0") for text in ax.texts)
+
+
 def test_what_happens_in_the_middle_of_a_run_is_no_start_up():
     ax = plot_run(simulate(wire([Step("SP", after=0.5, at=200.0), *README[1:]]), 600.0, every=0.1)).axes[0]
     assert ax.get_ylim()[0] < 0.0 and not ax.texts
@@ -251,8 +260,8 @@ def test_what_happens_in_the_middle_of_a_run_is_no_start_up():
 
 def test_a_cycle_is_named_with_what_makes_it():
     # published: period and amplitude as in the thesis's ideal loop with high stiction, 117 s
-    told = plot_run(simulate(wire(README), 600.0, every=0.1)).get_suptitle()
-    assert told == "MV sticks: the loop cycles with a period of 117 s, PV with an amplitude of 0.0283"
+    title = plot_run(simulate(wire(README), 600.0, every=0.1)).get_suptitle()
+    assert title == "MV sticks: the loop cycles with a period of 117 s, PV with an amplitude of 0.0283"
     ideal = simulate(wire(README).in_mode("ideal"), 600.0, every=0.1)
     assert "sticks" not in plot_run(ideal).get_suptitle()
 
@@ -264,9 +273,9 @@ def test_a_set_point_that_swings_is_what_the_loop_follows():
     forward = 0.4 * (1.0 + 1.0 / (10.0 * s)) * 3.0 / (10.0 * s + 1.0)
     ratio = forward / (1.0 + forward)  # analytic: the closed loop at this frequency
     later = -np.angle(ratio) * 63.0 / (2.0 * np.pi)
-    told = plot_run(simulate(loop, 1260.0, every=0.1)).get_suptitle()
+    title = plot_run(simulate(loop, 1260.0, every=0.1)).get_suptitle()
     follows = f"PV follows {later:.2g} s later, {abs(ratio):.2g} times as far"
-    assert told == f"SP swings by itself with a period of 63 s; {follows}"
+    assert title == f"SP swings by itself with a period of 63 s; {follows}"
 
 
 def test_a_loop_that_does_not_follow_its_set_point_is_said_to_stand():
@@ -277,11 +286,11 @@ def test_a_loop_that_does_not_follow_its_set_point_is_said_to_stand():
 def test_an_oscillation_that_dies_out_is_said_to():
     # analytic: s^2 + 2 zeta w s + w^2 with w = 1 rad/s and zeta = 0.02 shrinks to a third in 55 s
     loop = [Step("SP", after=0.5), PI(K_p=0.04, T_i=0.04, low=-10.0, high=10.0), Integrator(K=1.0, T=1.0, inputs="OP")]
-    told = plot_run(simulate(wire(loop), 60.0, every=0.1)).get_suptitle()
-    assert told.startswith("PV oscillates and dies out, period 6.3")
+    title = plot_run(simulate(wire(loop), 60.0, every=0.1)).get_suptitle()
+    assert title.startswith("PV oscillates and dies out, period 6.3")
 
 
 def test_rest_is_told_with_the_largest_move():
     parts = [Sine("a", mean=5.0, amplitude=1e-13, period=3.0, unit="bar"), Step("b", 2.0, before=2.0, unit="bar")]
-    told = plot_run(simulate(wire(parts, outputs=["a", "b"]), 60.0, every=0.1)).get_suptitle()
-    assert told == "at rest: nothing moves by more than 2e-13 bar"
+    title = plot_run(simulate(wire(parts, outputs=["a", "b"]), 60.0, every=0.1)).get_suptitle()
+    assert title == "at rest: nothing moves by more than 2e-13 bar"

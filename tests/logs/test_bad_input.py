@@ -178,11 +178,11 @@ def test_unfit_data_are_read(write, content, samples):
 def test_all_readers_are_told_the_same_of_a_file(write):
     """Each argument reaches all three readers; a misspelt one gets the right one named."""
     path = write("when;PV;OP\n01.02.2024 00:00;4,5;50\n01.02.2024 00:01;4,6;51\n01.02.2024 00:02;4,7;52\n")
-    told = {"time": "when", "time_format": "%d.%m.%Y %H:%M", "decimal": ",", "separator": ";"}
-    log, loop, (same,) = read_log(path, **told), read_loop(path, **told), read_loops(path, **told)
+    form = {"time": "when", "time_format": "%d.%m.%Y %H:%M", "decimal": ",", "separator": ";"}
+    log, loop, (same,) = read_log(path, **form), read_loop(path, **form), read_loops(path, **form)
     assert log["PV"].tolist() == loop.pv.tolist() == same.pv.tolist() == [4.5, 4.6, 4.7]
     assert log.start == loop.log.start == same.log.start == datetime(2024, 2, 1)
-    assert {"interval", "time_unit"} | told.keys() == set(Form.__annotations__)
+    assert {"interval", "time_unit"} | form.keys() == set(Form.__annotations__)
     for reader in (read_log, read_loop, read_loops):
         with pytest.raises(TypeError, match="'time_units' is no argument of a reader; did you mean 'time_unit'"):
             reader(path, time_units="s")

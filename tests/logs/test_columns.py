@@ -21,9 +21,9 @@ NAMES = {
 
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, names in NAMES.items() for name in names])
 def test_roles_by_name(role, name):
-    told = role_of(name)
-    assert told is not None
-    assert told[1] == role
+    known = role_of(name)
+    assert known is not None
+    assert known[1] == role
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_every_column_not_used_is_named_with_its_reason(write):
     note = next(note for note in read_loop(write(text), loop="FIC1").notes if "not used" in note)
     assert note == (
         "Columns not used: 'timestamp' (the time is 'time'), 'FIC1.OUT' (OP is 'FIC1.OP'), 'LIC2.PV' (PV of LIC2), "
-        "'remark' (its name tells no part of the loop), 'T7' (its name tells no part of the loop), "
+        "'remark', 'T7' (no part of the loop by name), "
         "'LIC2.PV.Quality' (quality of 'LIC2.PV')."
     )
 

@@ -116,5 +116,5 @@ def test_a_file_in_which_every_row_stands_twice_keeps_its_sampling(tmp_path):
 def test_rows_hours_apart_on_a_sunday_in_september_are_no_change_of_the_clock(hours):
     start = datetime(2024, 8, 25)  # seven days before a Sunday of September, at midnight
     t = np.arange(300.0) * 3600.0 * hours
-    told, note = repaired_clock_change(t, start)
-    assert told.tolist() == t.tolist() and note is None
+    repaired, note = repaired_clock_change(t, start)
+    assert repaired.tolist() == t.tolist() and note is None

@@ -81,7 +81,7 @@ def zipped(**files: str) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("name", "raw", "told"),
+    ("name", "raw", "note_of"),
     [
         ("gzip", gzip.compress(TEXT.encode()), "gzip"),
         ("zip", zipped(trend=TEXT), "zip"),
@@ -90,7 +90,7 @@ def zipped(**files: str) -> bytes:
         ("workbook in zip", None, "the sheet 'Trend'"),
     ],
 )
-def test_reads_as_the_table_in_it(tmp_path, name, raw, told) -> None:
+def test_reads_as_the_table_in_it(tmp_path, name, raw, note_of) -> None:
     if raw is None:
         buffer = io.BytesIO()
         with zipfile.ZipFile(buffer, "w") as archive:
@@ -104,7 +104,7 @@ def test_reads_as_the_table_in_it(tmp_path, name, raw, told) -> None:
     assert (loop.name, len(loop.t), loop.dt) == ("FIC1", 30, pytest.approx(10.0, abs=1e-3))
     assert loop.pv.tolist() == [row[1] for row in ROWS[2:]]
     assert loop.op.tolist() == [row[2] for row in ROWS[2:]]
-    assert any(told in note for note in loop.notes)
+    assert any(note_of in note for note in loop.notes)
 
 
 def test_dates_of_a_workbook_are_dates(tmp_path) -> None:

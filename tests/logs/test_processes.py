@@ -56,14 +56,14 @@ def test_what_waits_is_not_begun_when_the_block_is_left_by_an_error(tmp_path) ->
     assert len(list(tmp_path.iterdir())) < 6
 
 
-@pytest.mark.parametrize("told", [None, "2"])
-def test_the_command_computes_with_one_thread_unless_told_otherwise(told) -> None:
+@pytest.mark.parametrize("threads", [None, "2"])
+def test_the_command_computes_with_one_thread_unless_told_otherwise(threads) -> None:
     code = "import os, sys; sys.argv = ['stickslip', '--help']; import stickslip.__main__ as m\n"
     code += "try:\n    m.main()\nexcept SystemExit:\n    print('threads', os.environ['OPENBLAS_NUM_THREADS'])"
     given = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
-    given |= {} if told is None else {"OPENBLAS_NUM_THREADS": told}
+    given |= {} if threads is None else {"OPENBLAS_NUM_THREADS": threads}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=given, check=True)
-    assert run.stdout.splitlines()[-1] == f"threads {told or 1}"
+    assert run.stdout.splitlines()[-1] == f"threads {threads or 1}"
 
 
 @one_thread

@@ -84,14 +84,14 @@ def test_two_header_rows(tmp_path, header) -> None:
 def test_blanks_of_a_wide_table_are_held_as_in_a_long_one(tmp_path) -> None:
     wide, long = [], []
     for i, (t, pv, op) in enumerate(zip(CLOCK, PV, OP, strict=True)):
-        told = {
+        row = {
             "FIC1.PV": pv if i % 2 == 0 else "",
             "FIC1.OP": op if i % 3 == 0 else "",
             "FIC1.SP": 1241 if i == 0 else "",
         }
-        told["FIC1.x"] = i
-        wide.append(",".join([str(t), *map(str, told.values())]))
-        long += [f"{t},{tag},{value}" for tag, value in told.items() if value != ""]
+        row["FIC1.x"] = i
+        wide.append(",".join([str(t), *map(str, row.values())]))
+        long += [f"{t},{tag},{value}" for tag, value in row.items() if value != ""]
     columns = {"PV": "FIC1.PV", "OP": "FIC1.OP", "SP": "FIC1.SP", "x": "FIC1.x"}
     (tmp_path / "long.csv").write_text("time,tag,value\n" + "\n".join(long) + "\n")
     of_wide = read_log(saved(tmp_path, "time,FIC1.PV,FIC1.OP,FIC1.SP,FIC1.x", wide), columns=columns)

@@ -56,6 +56,48 @@ def test_counts_stay_counts(read, first, step, unit):
     assert said(read(table([first + step * i for i in range(N)])), unit)
 
 
+@pytest.mark.parametrize("clock_form", ["%H%M%S", "%H%M"])
+def test_date_and_time_in_two_columns_of_figures(read, clock_form):
+    step = 10.0 if clock_form == "%H%M%S" else 60.0
+    stamps = [f"{day},{at}" for day, at in zip(clock("%Y%m%d", step), clock(clock_form, step), strict=True)]
+    record = read(table(stamps, head="date,time,FIC101.PV,FIC101.OP"))
+    assert record.dt == step and record.log.start == DAY and not said(record, "not used")
+
+
+def test_a_program_dropped_the_zeros_in_front_of_the_time(tmp_path):
+    pl = pytest.importorskip("polars")
+    day = DAY.replace(hour=9, minute=58)
+    columns = {form: [int(stamp) for stamp in clock(form, start=day)] for form in ("%Y%m%d", "%H%M%S")}
+    frame = pl.DataFrame(columns | {"PV": np.sin(np.arange(N)), "OP": np.cos(np.arange(N))})
+    frame = frame.rename({"%Y%m%d": "Date", "%H%M%S": "Time"})
+    record = read_loop(frame)
+    assert record.dt == 10.0 and record.log.start == day
+
+
+def test_a_count_beside_dates_of_figures_stays_the_time(read):
+    stamps = [f"20240506,{10 * i}" for i in range(N)]
+    assert read(table(stamps, head="date,time,FIC101.PV,FIC101.OP")).log.start is None
+
+
+@pytest.mark.parametrize("head", ["时间", "time"])
+@pytest.mark.parametrize(
+    "form",
+    [
+        "2024年5月6日 %H:%M:%S",
+        "2024年05月06日%H时%M分%S秒",
+        "2024年5月6日 上午7：%M：%S",
+        "2024년 5월 6일 오전 7:%M:%S",
+    ],
+)
+def test_stamps_of_east_asia(read, head, form):
+    record = read(table(clock(form), head=f"{head},FIC101.PV,FIC101.OP"))
+    assert record.dt == 10.0 and record.log.start == DAY
+
+
+def test_the_afternoon_in_chinese(read):
+    assert read(table(clock("2024年5月6日 下午1:%M:%S"))).log.start == DAY.replace(hour=13)
+
+
 def test_a_unit_said_goes_before_the_calendar(read):
     assert read(table(clock("%Y%m%d%H%M%S")), time_unit="s").log.start is None
 
@@ -193,8 +235,8 @@ def test_a_mark_that_may_stand_between_thousands_is_said(read):
     whole = [f"{1 + i % 3}.{100 * (i % 7):03d}" if i % 2 else str(900 + i) for i in range(N)]
     record = read(table(clock(), whole))
     assert record.pv[1] == 2.1 and said(record, "'2.100' beside whole numbers is read as 2.1", "--decimal")
-    told = read(table(clock(), whole).replace(",", ";"), decimal=",")
-    assert told.pv[1] == 2100 and not said(told, "beside whole numbers")
+    decimal_comma = read(table(clock(), whole).replace(",", ";"), decimal=",")
+    assert decimal_comma.pv[1] == 2100 and not said(decimal_comma, "beside whole numbers")
 
 
 @pytest.mark.parametrize(
@@ -253,6 +295,32 @@ def test_an_export_of_influx_names_its_measurements(tmp_path, extra, names):
     records = read_loops(path)
     assert [record.name for record in records] == ["FIC101", "LIC7"]
     assert records[1].pv[:3].tolist() == [20.0, 21.0, 22.0] and records[1].op[:3].tolist() == [30.0, 31.0, 32.0]
+
+
+@pytest.mark.parametrize("between", ["", "\n"])
+def test_an_answer_of_influx_in_blocks_of_other_columns(tmp_path, between):
+    span = "2024-05-06T07:00:00Z,2024-05-06T08:00:00Z"
+    rows = []
+    for k, (field, header, more) in enumerate([("PV", "", ""), ("OP", ",unit", ',"%, of span"')]):
+        rows += ["#datatype,string,long", "#group,false,false", "#default,_result,"]
+        rows += [f",result,table,_start,_stop,_time{header},_value,_field,_measurement"]
+        rows += [
+            f",,{k},{span},{t}{more},{10 * k + i % 7},{field},FIC101" for i, t in enumerate(clock("%Y-%m-%dT%H:%M:%SZ"))
+        ]
+        rows += [between] * (between != "")
+    path = tmp_path / "influx.csv"
+    path.write_text("\n".join(rows))
+    (record,) = read_loops(path)
+    assert record.name == "FIC101" and len(record) == N
+    assert record.pv[:3].tolist() == [0.0, 1.0, 2.0] and record.op[:3].tolist() == [10.0, 11.0, 12.0]
+
+
+def test_a_bad_row_of_a_later_block_is_named_by_its_line(tmp_path):
+    head = ",result,table,_time,_value,_field,_measurement"
+    path = tmp_path / "influx.csv"
+    path.write_text("\n".join([head, ",,0,2024-05-06T07:00:00Z,1,PV,FIC1", "", head, ",,1,,4,OP,FIC1"]))
+    with pytest.raises(ReadError, match="line 5"):
+        read_loops(path)
 
 
 def test_numbers_that_carry_their_unit(read):

@@ -116,7 +116,7 @@ def test_it_is_read_and_what_was_assumed_is_said(read, name):
 
 
 @pytest.mark.parametrize(
-    ("content", "told", "piece"),
+    ("content", "options", "piece"),
     [
         (lines(clock("%m/%d/%Y %H:%M:%S")), {"time_format": "%d/%m/%Y %H:%M:%S"}, "2024-06-05"),
         (lines([10_000 * i for i in range(N)]), {"time_unit": "ms"}, 10.0),
@@ -127,11 +127,11 @@ def test_it_is_read_and_what_was_assumed_is_said(read, name):
         (PLAIN.replace(",", "|"), {"separator": "|"}, 10.0),
     ],
 )
-def test_it_can_be_overridden(read, content, told, piece):
-    record = read(content, **told)
+def test_it_can_be_overridden(read, content, options, piece):
+    record = read(content, **options)
     if isinstance(piece, str):
         assert record.log.start.isoformat().startswith(piece)
-    elif "decimal" in told:
+    elif "decimal" in options:
         assert record.pv[0] == pytest.approx(piece)
     else:
         assert record.dt == pytest.approx(piece)

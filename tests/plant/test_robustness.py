@@ -26,8 +26,8 @@ def test_random_plants_integrate(drawn):
     built = [pair for pair in drawn if not isinstance(pair[1], str)]
     with ThreadPoolExecutor(2) as pool:
         outcomes = list(pool.map(lambda pair: run(*pair), built))
-    told = [f"{o.status}: {o.reason}" for o in outcomes if not o.integrated]
-    assert len(built) == COUNT and len(told) <= 0.05 * COUNT, told
+    failed = [f"{o.status}: {o.reason}" for o in outcomes if not o.integrated]
+    assert len(built) == COUNT and len(failed) <= 0.05 * COUNT, failed
     assert all(o.reason for o in outcomes if not o.integrated)
     assert max(o.highest["V_1"] - o.lowest["V_1"] for o in outcomes) > 5.0  # they do move
 

@@ -43,4 +43,7 @@ def test_a_loop_without_stick_lacks_one(earlier):
     assert found.gap and found.changed[0].effect == "stiction"
     json.dumps(found.to_dict(), allow_nan=False)
     assert {"gap", "where", "causes", "ranking"} <= set(found.to_dict())
-    assert not lacks(replace(earlier, sticks=False, gain=-1.0)).gap
+    (said,) = found.words
+    assert "went from" not in said and f"is {earlier.S} " in said
+    without = lacks(replace(earlier, sticks=False, gain=-1.0))
+    assert not without.gap and "changed" not in without.words[0]

@@ -43,7 +43,7 @@ def test_rounded_to_a_tenth_it_is_read_within_its_interval():
     found = controller_of(op, pv, log["SP"], 1.0, FREE)
     assert found.K_p == pytest.approx(0.6, rel=0.02)
     assert found.T_i == pytest.approx(25.0, rel=0.05)
-    assert found.told > 0.9
+    assert found.explained > 0.9
 
 
 def test_without_a_set_point_its_level_is_one_more_unknown():
@@ -69,7 +69,7 @@ def test_a_filter_of_pv_is_seen(digits):
     op = drive(SampledPI(0.7, 12.0, dt=1.0, low=-1e9, high=1e9), n - 1.0, every=1.0, SP=0.0, PV=(np.arange(n), smooth))
     found = controller_of(np.round(op.log["OP"], digits), pv, np.zeros(n), 1.0, FREE)
     assert (found.K_p, found.T_i) == (pytest.approx(0.7, rel=0.03), pytest.approx(12.0, rel=0.03))
-    assert found.T_f == pytest.approx(6.0, rel=0.05) and found.told > 0.99
+    assert found.T_f == pytest.approx(6.0, rel=0.05) and found.explained > 0.99
     plain = controller_of(np.round(op.log["OP"], digits), smooth, np.zeros(n), 1.0, FREE)
     assert plain.T_f == 0.0
 
@@ -83,7 +83,7 @@ def test_rows_at_a_limit_say_nothing():
 def test_what_follows_nothing_is_told_so():
     rng = np.random.default_rng(3)
     found = controller_of(rng.normal(size=500).cumsum(), rng.normal(size=500).cumsum(), np.zeros(500), 1.0, FREE)
-    assert found.told < 0.1
+    assert found.explained < 0.1
 
 
 def test_a_law_that_proportional_action_tells_whole_has_no_integral_time():

@@ -10,7 +10,7 @@ from stickslip.diagram import simulate, wire
 from stickslip.remedy.example import sticky
 from stickslip.remedy.left import Left
 from stickslip.remedy.population import population_of
-from stickslip.remedy.process import Loop, day_of, settled, start_noise, told
+from stickslip.remedy.process import Loop, day_of, predicted, settled, start_noise
 from stickslip.remedy.search import best_with, best_without
 
 WIDE = {"low": -math.inf, "high": math.inf}
@@ -21,7 +21,7 @@ def answered(one, op, dt):
     t = np.arange(len(op)) * dt
     day = replace(day_of(t, op, op + 0.0, None), q=1)
     quiet = [Left(np.zeros(4), 1.0, 0.0, 0.0)]
-    return told([day], one, quiet).shown[0]
+    return predicted([day], one, quiet).shown[0]
 
 
 @pytest.mark.parametrize(("tau_2", "theta"), [(0.0, 0.0), (4.0, 0.0), (0.0, 6.0), (4.0, 7.0)])
@@ -52,7 +52,7 @@ def test_the_bank_finds_the_stem_that_moved(follows, valve):
     pv = run["PV"] + np.random.default_rng(1).normal(0.0, 0.1, 1500)
     day = replace(day_of(t, op, pv, None), q=1)
     one = Loop(follows, 5.0, 2.0, False, 1.5, 10.0, 0.0, 0.0)
-    shown = told([day], one, [Left(np.zeros(4), 0.15, 0.0, 0.0)]).shown[0]
+    shown = predicted([day], one, [Left(np.zeros(4), 0.15, 0.0, 0.0)]).shown[0]
     assert np.std((shown[0] - run["MV"])[100:]) < 0.15 * np.std(run["MV"])
 
 
@@ -71,9 +71,9 @@ def test_the_truth_is_likelier_than_other_sizes(found):
     def loss(one):
         noises = start_noise([day])
         for _ in range(3):
-            said = told([day], one, noises)
+            said = predicted([day], one, noises)
             one, noises, _ = settled([day], one, said.shown)
-        return told([day], one, noises).nll
+        return predicted([day], one, noises).nll
 
     true = loss(truth)
     for other in (replace(truth, S=4.0), replace(truth, S=6.0), replace(truth, J=0.2), replace(truth, tau=90.0)):
@@ -119,7 +119,7 @@ def test_an_integrator_has_a_gain_though_the_controller_makes_up_for_the_load():
     pv = np.cumsum(flow) + 0.01 * rng.normal(size=n)
     day = replace(day_of(np.arange(float(n)), op, pv, None), q=1)
     one = Loop(False, 0.0, 0.0, True, 1.0, 0.01, 0.0, 0.0)
-    one, _, _ = settled([day], one, told([day], one, start_noise([day], True)).shown)
+    one, _, _ = settled([day], one, predicted([day], one, start_noise([day], True)).shown)
     assert 0.3 < one.K < 0.6
 
 
@@ -134,7 +134,7 @@ def test_a_likely_path_keeps_the_gain():
     day = replace(day_of(t, op, pv, None), q=1)
     one, noises = Loop(False, 5.0, 3.0, False, 1.5, 5.0, 0.0, 0.0), start_noise([day])
     for _ in range(4):
-        one, noises, _ = settled([day], one, told([day], one, noises).shown)
+        one, noises, _ = settled([day], one, predicted([day], one, noises).shown)
     assert pytest.approx(1.5, rel=0.07) == one.K
 
 

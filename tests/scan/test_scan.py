@@ -56,9 +56,9 @@ def test_processes_give_the_same_bytes(forms, tmp_path) -> None:
 
 def test_a_finished_scan_is_read_and_another_is_refused(forms, tmp_path) -> None:
     first = scan(forms["wide"], tmp_path, workers=1)
-    told = []
-    again = scan(forms["wide"], tmp_path, workers=1, tell=lambda done, total: told.append((done, total)))
-    assert again.table.equals(first.table) and told == [(4, 4)]
+    progress = []
+    again = scan(forms["wide"], tmp_path, workers=1, tell=lambda done, total: progress.append((done, total)))
+    assert again.table.equals(first.table) and progress == [(4, 4)]
     with pytest.raises(ScanError, match="holds another scan"):
         scan(forms["long"], tmp_path, workers=1)
     fresh = scan(forms["long"], tmp_path, workers=1, fresh=True)
@@ -258,3 +258,13 @@ def test_a_stick_that_was_seen_ranks_before_one_that_is_probable() -> None:
     said = [("A", "stiction", 0.97), ("B", "stiction", None), ("C", "inconclusive", 0.7), ("D", "inconclusive", None)]
     rows = [{"order": i, "loop": loop, "verdict": word, "probability": p} for i, (loop, word, p) in enumerate(said)]
     assert ranked(table_of(rows))["loop"].to_list() == ["B", "A", "C", "D"]
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_file_whose_columns_name_no_loop_names_it_itself(ending, tmp_path) -> None:
+    t = np.arange(300.0)
+    frame = pl.DataFrame({"time": t, "PV": 50 + np.sin(t / 9), "OP": 45 + np.cos(t / 9)})
+    file = tmp_path / f"FIC7.{ending}"
+    frame.write_csv(file) if ending == "csv" else frame.write_parquet(file)
+    row = scan(file, tmp_path / "out", workers=1).table.row(0, named=True)
+    assert row["loop"] == "FIC7"

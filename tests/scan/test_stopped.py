@@ -18,7 +18,7 @@ def test_ctrl_c_and_on(tmp_path):
     plant = tmp_path / "plant"
     plant.mkdir()
     quick, slow = ((EXPORTS / name).read_bytes() for name in ("FIC512_compressed.csv", "FIC101_pi_export.csv"))
-    for i in range(24):  # three jobs of eight files; the first is done long before the others
+    for i in range(16):  # two jobs of eight files; the first is done long before the other
         (plant / f"FIC{100 + i}.csv").write_bytes(quick if i < 8 else slow)
     scan(plant, tmp_path / "whole", workers=1)  # first, so that no process below has to compile
     words = [sys.executable, "-m", "stickslip", "scan", str(plant), "--out", str(tmp_path / "cut"), "--workers", "2"]

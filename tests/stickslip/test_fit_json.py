@@ -5,7 +5,10 @@ import json
 import numpy as np
 import pytest
 from stickslip.remedy import Changes
+from stickslip.remedy import fit as remedy_fit
 from stickslip.remedy.example import sticky
+
+from stickslip import remedy
 
 SIZE = {"value", "low", "high"}
 
@@ -21,6 +24,22 @@ def files(tmp_path_factory):
         columns = np.column_stack([record.t, record.sp, record.op, record.pv])
         np.savetxt(found[name], columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")
     return found
+
+
+@pytest.fixture(scope="module", autouse=True)
+def fitted_once():
+    """Every command fits the loop that it reads; here each of the two is fitted once."""
+    fits = {}
+
+    def once(records, **options):
+        key = records[0].pv.tobytes()
+        if key not in fits:
+            fits[key] = remedy_fit(records, **options)
+        return fits[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(remedy, "fit", once)
+        yield
 
 
 def read(result):

@@ -58,6 +58,8 @@ def test_a_gap_is_exit_code_one_and_named(call, written, model, tmp_path):
     assert found["where"]["place"] == "controller" and found["causes"][0]["effect"] == "controller_gain"
     assert found["causes"][0]["parameters"]["factor"]["value"] == pytest.approx(1.3, rel=1e-3)
     assert "Cause: controller_gain at controller" in " ".join(result.stderr.split())
+    rows = [row for row in result.stderr.splitlines() if row.startswith("│")]
+    assert rows and not any("1.000" in row for row in rows) and any("over 99 %" in row for row in rows)
     html = page.read_text(encoding="utf-8")
     first = html[: html.index(">Why<")]
     assert "OP as logged" in first and "with controller gain at controller" in first and "The gap shrinks by" in first

@@ -45,8 +45,8 @@ def test_everything_that_a_report_must_say_is_said(report, sticky):
         assert verdict.method.replace("_", " ") in words
         assert " ".join(verdict.reason.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").split()) in words
     assert html.count("<svg") >= 8
-    for told in ("estimated MV", "PV behind OP", "frequency", "stem stands while OP moves", "clock time"):
-        assert told in html
+    for words in ("estimated MV", "PV behind OP", "frequency", "stem stands while OP moves", "clock time"):
+        assert words in html
 
 
 def test_it_is_small_and_quick_to_make(report, sticky):

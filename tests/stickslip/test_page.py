@@ -118,8 +118,8 @@ def test_a_phone_shows_pv_against_op_whole(demo_page, tmp_path):
     file.write_text(demo_page.read_text(encoding="utf-8").replace("</body>", probe), encoding="utf-8")
     frame = tmp_path / "phone.html"  # headless Chromium has no window as narrow
     narrow = f"<iframe src='{file.name}' style='width: 390px; height: 900px; border: 0'></iframe>"
-    told = "<script>addEventListener('load', () => { document.title = frames[0].document.title })</script>"
-    frame.write_text(narrow + told, encoding="utf-8")
+    script = "<script>addEventListener('load', () => { document.title = frames[0].document.title })</script>"
+    frame.write_text(narrow + script, encoding="utf-8")
     done = browser("--allow-file-access-from-files", "--virtual-time-budget=3000", "--dump-dom", frame.as_uri())
     rights = json.loads(re.search(r"<title>(\[.*?\])</title>", done.stdout.decode()).group(1))
     assert len(rights) >= 5 and max(rights) <= 390.0

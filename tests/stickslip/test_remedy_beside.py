@@ -22,8 +22,8 @@ def plant(tmp_path):
 
 def test_a_scan_ranks_what_stick_costs(call, plant, tmp_path):
     words = ("scan", plant, "--out", tmp_path / "out", "--workers", "1", "--json", "-", "--cost", "5")
-    found = json.loads(call(*words).stdout)["costs"]
-    sticky_loops = {one["loop"] for one in json.loads(call(*words).stdout)["loops"] if one["verdict"] == "stiction"}
+    content = json.loads(call(*words).stdout)
+    found, sticky_loops = content["costs"], {x["loop"] for x in content["loops"] if x["verdict"] == "stiction"}
     assert {one["loop"] for one in found} == sticky_loops
     assert any("FIC1" in one["loop"] and one["cost"]["pv_sd_ratio"]["value"] > 1.1 for one in found)
     assert (tmp_path / "out" / "costs.json").exists()

@@ -1,4 +1,4 @@
-"""A table of records too short for any verdict is refused; `check` answers of one that it is not applicable."""
+"""Records too short for any verdict are bad input of every command, and nothing is written of them."""
 
 import numpy as np
 import pytest
@@ -12,20 +12,25 @@ def written(path, rows):
     return path
 
 
-@pytest.mark.parametrize("rows", [2, 50])
-def test_a_table_of_one_that_nothing_can_judge_is_bad_input(call, tmp_path, rows):
-    done = call("table", written(tmp_path / "FIC1.csv", rows))
-    assert done.exit_code == 2
-    assert f"FIC1: {rows} rows, of which no method can say anything; give 100 rows or more" in done.stderr
+@pytest.mark.parametrize("command", ["check", "table", "scan"])
+@pytest.mark.parametrize("rows", [1, 2, 50])
+def test_one_that_nothing_can_judge_is_bad_input(call, tmp_path, command, rows):
+    page = tmp_path / "page.html"
+    done = call(command, written(tmp_path / "FIC1.csv", rows), "--html", page, *out_of(command, tmp_path))
+    assert done.exit_code == 2 and done.stdout == ""
+    assert f"FIC1: {rows} row" in done.stderr
+    assert "of which no method can say anything; give 100 rows or more" in done.stderr
+    assert not page.exists()
 
 
-def test_check_tells_what_it_has_read_all_the_same(call, tmp_path):
-    done = call("check", written(tmp_path / "FIC1.csv", 50))
-    assert done.exit_code == 0 and "NOT APPLICABLE" in done.stdout and "50 samples" in " ".join(done.stdout.split())
+def out_of(command, folder):
+    """Return the option that names the folder of a scan."""
+    return ("--out", folder / "out") if command == "scan" else ()
 
 
-def test_several_such_are_bad_input_together_and_one_beside_a_longer_is_not(call, tmp_path):
+@pytest.mark.parametrize("command", ["check", "table"])
+def test_several_such_are_bad_input_together_and_one_beside_a_longer_is_not(call, tmp_path, command):
     short = [written(tmp_path / f"FIC{rows}.csv", rows) for rows in (2, 50)]
-    done = call("table", *short)
+    done = call(command, *short)
     assert done.exit_code == 2 and "FIC2, FIC50: 50 rows" in done.stderr
-    assert call("table", *short, written(tmp_path / "long.csv", 300)).exit_code in (0, 1)
+    assert call(command, *short, written(tmp_path / "long.csv", 300)).exit_code in (0, 1)

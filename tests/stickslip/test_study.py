@@ -128,9 +128,9 @@ def test_ctrl_c_keeps_what_is_finished_and_the_same_command_goes_on(tmp_path, ca
     while not list(tmp_path.glob("parts/*.parquet")) and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 130, told
-    assert b"stopped by the keyboard" in told and b"Traceback" not in told
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert b"stopped by the keyboard" in errors and b"Traceback" not in errors
     kept = sum(len(pl.read_parquet(part)) for part in tmp_path.glob("parts/*.parquet"))
     assert kept > 0 and not (tmp_path / "study.parquet").exists()
 

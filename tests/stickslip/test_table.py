@@ -45,6 +45,11 @@ def test_a_case(call):
     assert (loop["loop"], loop["methods"][0]["verdict"]) == ("ideal_high", "stiction")
 
 
+def test_a_case_is_simulated_as_long_as_asked(call):
+    done = call("table", "ideal_high", "--duration", "200", "--method", "area_ratio", "--json", "-")
+    assert json.loads(done.stdout)["loops"][0]["samples"] == 2001  # analytic: 200 s, a row every 0.1 s
+
+
 def test_a_loop_of_a_plants_case(call):
     done = call("table", "plant_1_high", "--loop", "PCS11", "--loop", "LCS11", "--method", "stem_play", "--json", "-")
     loops = json.loads(done.stdout)["loops"]
@@ -78,8 +83,8 @@ def test_the_kind_of_process_is_handed_on(call, tmp_path):
     rows = "\n".join(f"{t},{40 + t % 7},{50 + t % 5}" for t in range(100))
     (tmp_path / "x.csv").write_text(f"time,PV,OP\n{rows}\n")
     words = ("table", tmp_path / "x.csv", "--method", "area_ratio", "--json", "-")
-    alone, told = (json.loads(call(*words, *more).stdout) for more in ((), ("--process", "integrating")))
-    assert told["loops"][0]["methods"][0]["code"] == "wrong_process_type"
+    alone, stated = (json.loads(call(*words, *more).stdout) for more in ((), ("--process", "integrating")))
+    assert stated["loops"][0]["methods"][0]["code"] == "wrong_process_type"
     assert alone["loops"][0]["methods"][0]["code"] != "wrong_process_type"
 
 

@@ -121,9 +121,9 @@ def test_random_points_follow_the_seed():
 
 
 def test_progress_ends_at_all_runs():
-    told = []
-    small(progress=lambda done, runs: told.append((done, runs)))
-    assert told[-1] == (18, 18) and sorted(told) == told
+    progress = []
+    small(progress=lambda done, runs: progress.append((done, runs)))
+    assert progress[-1] == (18, 18) and sorted(progress) == progress
 
 
 def test_a_builder_of_ones_own():

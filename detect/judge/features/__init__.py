@@ -5,7 +5,7 @@
     dead_travel what the record's own likelihood says, which nothing has to learn
     process     1 where PV is known to integrate, 0 where to settle: a play makes a level cycle as a stick does
 
-Of 290 features of ten families the first two told loops of withheld physics apart as well as all together, or better.
+Of 290 features of ten families the first two separated loops of unseen physics as well as all together, or better.
 """
 
 from __future__ import annotations

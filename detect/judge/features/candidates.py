@@ -30,8 +30,8 @@ def candidates(u: Values, y: Values) -> Values:
     """The channels (``CANDIDATES``, n) of OP u and PV y (n,) [-] on 16 points a turn: steps of every size, then new.
 
     >>> u = np.sin(np.arange(200.0) / 5)
-    >>> told = candidates(u, np.roll(u, 1))
-    >>> told.shape, bool(np.all(told[0] * np.diff(u, prepend=u[0]) >= 0.0))     # a stem moves as OP does, or not at all
+    >>> stems = candidates(u, np.roll(u, 1))
+    >>> stems.shape, bool(np.all(stems[0] * np.diff(u, prepend=u[0]) >= 0.0))  # a stem moves as OP does, or not
     ((12, 200), True)
     """
     span = float(np.subtract(*np.percentile(u, (99, 1)))) or 1.0

@@ -22,7 +22,7 @@ MOST = 100.0  # of nats, turns and samples: more tells no more, and must not loo
 
 def dead_travel_features(found: Evidence, stems: Stems) -> dict[str, float]:
     """The features of this family by name [-]."""
-    told = {
+    values = {
         "gain": found.gain, "without_best": found.without_best, "S": found.S / found.travel, "J": found.J / found.S,
         "jump": found.jump, "turns": float(found.turns), "delays": float(found.delays),
         "excluded": min(found.excluded / found.travel, NONE), "loss": found.loss, "answers": found.answers,
@@ -33,12 +33,15 @@ def dead_travel_features(found: Evidence, stems: Stems) -> dict[str, float]:
         "latest": float(stems.ks[-1]),
     }  # fmt: skip
     curve = np.interp(np.log(np.array(SHARES) * found.travel), np.log(found.sizes), found.curve)
-    told |= {f"at_{share:g}": float(value) for share, value in zip(SHARES, curve, strict=True)}
+    values |= {f"at_{share:g}": float(value) for share, value in zip(SHARES, curve, strict=True)}
     for i, k in enumerate(stems.ks[:3]):
         gains = stems.gains(k)
         best = max(score for score, _ in gains.rivals.values())
-        told[f"delay_{i}"], told[f"play_{i}"] = float(gains.score.max()) - best, float(gains.score[:, 0].max()) - best
+        values[f"delay_{i}"], values[f"play_{i}"] = (
+            float(gains.score.max()) - best,
+            float(gains.score[:, 0].max()) - best,
+        )
     rivals = stems.gains(stems.ks[0]).rivals
     line = rivals["OP"][0]
-    told |= {name.replace(" ", "_"): score - line for name, (score, _) in rivals.items() if name != "OP"}
-    return {f"travel_{name}": min(max(value, -MOST), MOST) for name, value in told.items()}
+    values |= {name.replace(" ", "_"): score - line for name, (score, _) in rivals.items() if name != "OP"}
+    return {f"travel_{name}": min(max(value, -MOST), MOST) for name, value in values.items()}

@@ -5,7 +5,7 @@
     u, y, e    OP, PV, SP - PV, each over its own robust scale; y and e turned so that the process gain is positive
     recent     of a long record the last part, as the simulated ones are no longer: see ``stem.recent``
 
-Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be told from it.
+Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be read from it.
 Samples at which PV and OP both stand still to the bit are stale collection and are left out where they are many.
 """
 

@@ -82,6 +82,14 @@ def test_stale_samples_are_not_counted_as_missing_too(sticky):
     assert [fact.code for fact in loop.present] == ["stale_data"] and not loop.present[0].forbids
 
 
+def test_a_loop_at_rest_is_no_dead_transmitter():
+    """Of a simulated loop that has settled PV is exactly SP, and OP goes on by rounding."""
+    t = np.arange(2000.0)
+    pv = np.where(t < 600.0, 55.0 + 0.01 * (600.0 - t), 55.0)
+    assert not frozen(LoopRecord.from_arrays(t, pv=pv, op=56.5 + 1e-14 * t, sp=0.0 * t + 55.0)).present
+    assert frozen(LoopRecord.from_arrays(t, pv=pv, op=56.5 + 1e-4 * t, sp=0.0 * t + 55.0)).present
+
+
 def test_frozen_transmitter(sticky):
     record = sticky(noise=0.1)
     pv = record.pv.copy()

@@ -115,8 +115,8 @@ def test_the_stem_answers_where_it_is_logged(sticky):
 def test_pv_at_the_end_of_its_span_settles_nothing(sticky):
     low = float(np.nanpercentile(sticky.pv, 40))
     high = float(np.nanmax(sticky.pv)) + 1.0
-    told = replace(sticky, log=replace(sticky.log, spans={**sticky.log.spans, sticky.pv_name: (low, high)}))
-    found = answer(Prepared(told))
+    limited = replace(sticky, log=replace(sticky.log, spans={**sticky.log.spans, sticky.pv_name: (low, high)}))
+    found = answer(Prepared(limited))
     assert found.word == "inconclusive" and "end of its span" in found.reason
 
 

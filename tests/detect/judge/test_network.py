@@ -83,12 +83,12 @@ def test_what_is_pooled_is_what_scipy_finds(points):
 
 def test_shares_sum_to_one_and_the_odds_are_theirs():
     net = random_network()
-    told = net.scores(RNG.normal(size=(CHANNELS, 200)).astype(np.float32))
-    assert net.names == (*KINDS, "sticky", "S", "J") and len(told) == len(net.names)
-    shares = np.exp(told[:4].astype(float))
+    scores = net.scores(RNG.normal(size=(CHANNELS, 200)).astype(np.float32))
+    assert net.names == (*KINDS, "sticky", "S", "J") and len(scores) == len(net.names)
+    shares = np.exp(scores[:4].astype(float))
     assert shares.sum() == pytest.approx(1.0, abs=1e-4)  # analytic
     bad = shares[0] + shares[2]
-    assert told[4] == pytest.approx(np.log(bad / (shares[1] + shares[3])), abs=1e-3)  # analytic
+    assert scores[4] == pytest.approx(np.log(bad / (shares[1] + shares[3])), abs=1e-3)  # analytic
 
 
 def test_the_right_stick_leaves_least_new():
@@ -97,9 +97,9 @@ def test_the_right_stick_leaves_least_new():
     x, y = stick(u, S, JUMP * S), np.zeros(600)
     for k in range(1, 600):
         y[k] = 0.8 * y[k - 1] + 0.2 * x[k - 1] + 0.01 * RNG.normal()
-    told = candidates(u, y)
-    assert told.shape == (CANDIDATES, 600)
-    new = np.sqrt(np.mean(told[len(SHARES) :, 8:] ** 2, axis=1))
+    stems = candidates(u, y)
+    assert stems.shape == (CANDIDATES, 600)
+    new = np.sqrt(np.mean(stems[len(SHARES) :, 8:] ** 2, axis=1))
     assert SHARES[np.argmin(new)] == 0.5 and new.min() == pytest.approx(1.0, abs=1e-6)
     assert new[[0, -1]].min() > 1.2
     # analytic: with the stem itself the noise is all that is new
@@ -112,9 +112,9 @@ def test_candidates_change_sign_with_the_record():
 
 
 def test_units_do_not_matter():
-    told = network_features(view(STUCK, 50 + 5 * TRIANGLE))
+    features = network_features(view(STUCK, 50 + 5 * TRIANGLE))
     other = network_features(view(300 + 7 * STUCK, 0.4 * TRIANGLE, sp=300.0))
-    assert {name: other[name] for name in told} == pytest.approx(told, abs=0.02)
+    assert {name: other[name] for name in features} == pytest.approx(features, abs=0.02)
 
 
 def test_a_stick_is_seen_and_noise_is_none():

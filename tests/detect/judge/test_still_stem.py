@@ -79,8 +79,8 @@ def test_a_stem_that_follows_is_none_that_stands():
     ],
 )
 def test_nothing_is_called_where_something_else_may_hold_the_stem_or_its_tag(why, mv, op, span):
-    told = still_stem(loop(mv, op, span=span))
-    assert told.means == "open" and why in told.why
+    still = still_stem(loop(mv, op, span=span))
+    assert still.means == "open" and why in still.why
     assert answer(loop(mv, op, span=span)).word != "stiction"
 
 
@@ -98,8 +98,8 @@ def test_where_pv_follows_sp_the_tag_is_dead():
         pv[k] = pv[k - 1] + 0.1 * (2.0 * (op[k - 1] - 30.0) - pv[k - 1])
         integral += 0.02 * (sp[k] - pv[k])
         op[k] = 50.0 + 0.2 * (sp[k] - pv[k]) + integral
-    told = still_stem(loop(float(np.mean(op)), op, pv, sp))
-    assert told.means == "dead" and "PV follows the moves of SP" in told.why
+    still = still_stem(loop(float(np.mean(op)), op, pv, sp))
+    assert still.means == "dead" and "PV follows the moves of SP" in still.why
     said = answer(loop(float(np.mean(op)), op, pv, sp))
     assert said.word != "stiction"
 
@@ -128,8 +128,8 @@ def test_the_stem_of_the_plant_that_stands_is_called():
 def test_of_simulated_loops_with_a_logged_stem_no_stem_is_said_to_stand_that_moves():
     """300 loops of the training law, seed 64100 used for nothing else."""
     for record, truth in simulate(draw(300, 64100, "training"), 1, mv=True):
-        told = still_stem(Prepared(record))
-        if told is not None and told.means == "sticks":
+        still = still_stem(Prepared(record))
+        if still is not None and still.means == "sticks":
             assert truth.cause in ("stiction", "deadband") and np.ptp(record.mv) == 0.0
 
 
@@ -150,8 +150,8 @@ def test_a_frozen_tag_is_told_from_a_stuck_stem_by_a_pv_that_answers_op(stuck, l
         own = Prepared(
             LoopRecord.from_arrays(record.t, pv=record.pv, op=record.op, sp=record.sp, mv=frozen, op_span=(0.0, 100.0))
         )
-        told = still_stem(own)
-        if told is not None and told.means == "sticks":
+        still = still_stem(own)
+        if still is not None and still.means == "sticks":
             asked += 1
             called += answer(own).word == "stiction"
     assert asked >= 10

@@ -117,7 +117,7 @@ def test_the_unit_of_the_tag_does_not_matter(seed, scale, offset):
 
 
 def test_a_jump_has_one_source():
-    best, other, third = (Slips(4.0, 3.9, 4.1, tag, 9, told) for tag, told in (("A", 0.9), ("B", 0.6), ("C", 0.5)))
+    best, other, third = (Slips(4.0, 3.9, 4.1, tag, 9, r) for tag, r in (("A", 0.9), ("B", 0.6), ("C", 0.5)))
     at = np.arange(0, 900, 90)
     jumps = {"A": Jumps(at, np.ones(10)), "B": Jumps(at + 1, np.ones(10)), "C": Jumps(at + 40, np.ones(10))}
     assert owners({"X": {"A": best}, "Y": {"B": other}, "Z": {"C": third}}, jumps) == {"X": best, "Z": third}

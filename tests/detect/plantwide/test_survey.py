@@ -55,11 +55,11 @@ def test_a_logged_stem_settles_it():
 
 def test_of_a_logged_stem_that_stands_still_no_other_tag_says_that_it_answers(pair):
     op = pair.loops["FC2"].op
-    told = Log(
+    named = Log(
         pair.t, {**{name: pair[name] for name in pair.names}, "stem": 0.0 * pair.t + 50.0}, spans=pair.spans,
         loops={**pair.loops, "FC2": replace(pair.loops["FC2"], mv="stem")},
     )  # fmt: skip
-    (suspect,) = (one for one in survey(told).suspects if one.loop == "FC2")
+    (suspect,) = (one for one in survey(named).suspects if one.loop == "FC2")
     assert suspect.follows is None and "stem stands still all the while" in suspect.reason
     assert suspect.S == suspect.travel == pytest.approx(np.ptp(pair[op]), rel=0.01)
 
