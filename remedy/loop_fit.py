@@ -21,7 +21,7 @@ __all__ = ["LoopFit", "Size"]
 
 Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are not told beyond the one, K J is told within the other
-WIDER = 1.8  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
+WIDER = 2.4  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ class LoopFit(Shown):
 
 def _ratio(values: Floats) -> float:
     low, high = np.percentile(np.abs(widened(values)), [5.0, 95.0])
-    return float(high / max(low, 1e-300))
+    return float(high / low) if low > 0.0 else math.inf
 
 
 def _finite(x: float) -> float | None:
