@@ -56,7 +56,8 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     sizes["stiction"] = _two(S if pair.smallest < S else 0.0 for S in sizes["stiction"])
     once = _stick_at_one_time(earlier, later)
     if once > gains["stiction"]:
-        gains["stiction"], sizes["stiction"] = once, _two(fit.S.value or 0.0 for fit in (earlier, later))
+        gains["stiction"] = once
+        sizes["stiction"] = _two(fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later))
         moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
     best = max(gains, key=lambda part: gains[part])
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}

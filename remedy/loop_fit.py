@@ -21,7 +21,8 @@ __all__ = ["LoopFit", "Size"]
 
 Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
-WIDER = 1.8  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
+UNSURE = "the interval spans more than a factor of three"
+WIDER = 2.4  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,8 @@ class LoopFit(Shown):
     def S(self) -> Size:
         """Dead travel: movement of OP after a turn until the stem moves [unit of OP]."""
         if self.sticks:
-            return size_of(self.each("S"))
+            S = self.each("S")
+            return size_of(S, UNSURE if _ratio(S) > WIDE else "")
         high = self.evidence.claim if self.evidence and math.isfinite(self.evidence.claim) else None
         return Size(0.0, 0.0, high, "" if high else "no stick is seen, and the record does not exclude one")
 
@@ -138,7 +140,7 @@ class LoopFit(Shown):
     def K(self) -> Size:
         """Gain of the process [unit of PV per unit of OP, and per s where it integrates]."""
         K = self.each("K")
-        unsure = "the interval spans more than a factor of three" if _ratio(K) > WIDE else ""
+        unsure = UNSURE if _ratio(K) > WIDE else ""
         return size_of(K, self._only_product("K") if unsure and self.sticks else unsure)
 
     @cached_property
@@ -150,7 +152,7 @@ class LoopFit(Shown):
         product = self.each("K") * self.each("J")
         if self.sticks and _ratio(product) < NARROW:
             return f"only K J = {np.median(product):.3g} shows in this record, not {key} alone"
-        return "the interval spans more than a factor of three"
+        return UNSURE
 
     @cached_property
     def tau(self) -> Size:
@@ -269,7 +271,7 @@ class LoopFit(Shown):
 
 def _ratio(values: Floats) -> float:
     low, high = np.percentile(np.abs(widened(values)), [5.0, 95.0])
-    return float(high / max(low, 1e-300))
+    return float(high / low) if low > 0.0 else math.inf
 
 
 def _finite(x: float) -> float | None:

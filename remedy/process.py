@@ -24,8 +24,10 @@ from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wande
 __all__ = ["Day", "Found", "Loop", "Predicted", "day_of", "predicted", "profiled", "settled", "start_noise"]
 
 Floats = NDArray[np.float64]
-MOST = 2_400  # rows that a likelihood looks at
+FINE = 25.0  # rows between two turns of OP: within a coarse row the controller answers, and the gain comes out wrong
+MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
 SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
+HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
 QUIET = 0.002  # of PV's spread: noise below it is taken for none
 
 
@@ -61,6 +63,11 @@ class Day:
     sp: Floats | None
     q: int
     between: float
+
+    @cached_property
+    def coarse(self) -> Day:
+        """The same day with fewer rows."""
+        return replace(self, q=max(self.q, math.ceil(len(self.op) / FEW)))
 
     @cached_property
     def rows(self) -> Floats:
@@ -102,7 +109,9 @@ def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
     if rows is None:
         return None
     pv = _noisy(pv)
-    return Day(t, float(t[1] - t[0]), op, pv, sp, max(1, math.ceil(len(op) / MOST)), rows.between)
+    fewest, most = (math.ceil(len(op) / count) for count in (MOST, FEW))
+    q = min(max(int(rows.between / FINE), fewest, 1), most)
+    return Day(t, float(t[1] - t[0]), op, pv, sp, q, rows.between)
 
 
 def _noisy(pv: Floats) -> Floats:
@@ -118,7 +127,14 @@ def _noisy(pv: Floats) -> Floats:
 
 @lru_cache(maxsize=8)
 def _random(samples: int, stems: int) -> Floats:
-    return np.random.default_rng(samples).normal(size=(2, samples + 64, stems))
+    """Deviates (2, samples, stems): of breakaways, one stem in each ``stems``-th part of Student's t; normal ones."""
+    from scipy.special import stdtrit
+
+    rng = np.random.default_rng(samples)
+    found = rng.normal(size=(2, samples + 64, stems))
+    part = rng.permuted(np.tile(np.arange(stems), (samples + 64, 1)), axis=1)
+    found[0] = stdtrit(HEAVY, (part + rng.random(part.shape)) / stems)
+    return found
 
 
 def predicted(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Predicted:

@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.left import Left
 from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
+from stickslip.remedy.slips import banded
 
 __all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "half_wave"]
 
 Floats = NDArray[np.float64]
 LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
-DRAWN = 160  # loops that stick, to start from
-STAGES = ((12, 36), (4, 70), (2, 120))  # how many are made better, by how many tries
+DRAWN, TURNS = 100, 7  # loops that stick, to start from, and turns of bands and path for each
+WIDE, NARROWER = 0.3, 0.75  # r at first, and over that of the turn before
+STAGES = ((10, 24), (4, 40), (2, 80))  # how many are made better, by how many tries; the last in all rows, bands too
 LAGS = (0.04, 0.1, 0.25, 0.6, 1.5, 4.0)  # of the time between two turns of OP
 DELAYS = (0.0, 0.05, 0.15, 0.3)
 RIVALS = 6  # loops that are kept beside the best
@@ -53,15 +55,16 @@ def _late(days: Sequence[Day]) -> float:
 
 def best_without(days: Sequence[Day], integrating: bool | None, way: float) -> list[Found]:
     """The likeliest loop without stick of each kind of process that may be, the likeliest first; ``way``: sign of K."""
-    time, found = half_wave(days), []
+    time, found, coarse = half_wave(days), [], [day.coarse for day in days]
     for kind in (False, True) if integrating is None else (integrating,):
-        noises = start_noise(days, kind)
+        noises = start_noise(coarse, kind)
         tried = [
-            _weighed(days, Loop(False, 0.0, 0.0, kind, way, lag * time, 0.0, late * _late(days)), noises, 1)
+            _weighed(coarse, Loop(False, 0.0, 0.0, kind, way, lag * time, 0.0, late * _late(days)), noises, 1)
             for lag in (LAGS if not kind else LAGS[:1])
             for late in DELAYS
         ]
-        found.append(_better(days, min(tried, key=lambda one: one.nll), 120))
+        best = min(tried, key=lambda one: one.nll).loop
+        found.append(_better(days, _weighed(days, best, start_noise(days, kind)), 120))
     return sorted(found, key=lambda one: one.nll)
 
 
@@ -70,7 +73,7 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
 
     starts : the best without stick of each kind of process;  S : as expected [unit of OP]
     """
-    rng, late = np.random.default_rng(seed), _late(days)
+    rng, late, fine, days = np.random.default_rng(seed), _late(days), days, [day.coarse for day in days]
     time, noises = half_wave(days), [start_noise(days, kind) for kind in (False, True)]
     spread = max(float(np.std(day.pv)) for day in days)
     moved = 0.5 * max(S, *(float(np.std(day.op)) for day in days))
@@ -78,19 +81,37 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
     for i in range(DRAWN):
         start = starts[i % len(starts)].loop
         tau = time * math.exp(rng.uniform(math.log(0.03), math.log(3.0)))
-        own = S * math.exp(rng.uniform(math.log(0.4), math.log(1.7)))
+        own = S * math.exp(rng.uniform(math.log(0.5), math.log(2.5)))
         one = Loop(
             bool(rng.random() < 0.5), own, own * rng.uniform(0.0, 0.9), start.integrating, start.K, tau,
-            rng.uniform(0.0, 0.5) * (0.3 * time if start.integrating else tau), late * 0.2 * rng.random() ** 2,
-            0.05 * 4.0 ** rng.random(),
+            rng.uniform(0.0, 0.5) * (0.3 * time if start.integrating else tau), late * 0.2 * rng.random() ** 2, WIDE,
         )  # fmt: skip
         size = spread / (moved * (0.5 * time if one.integrating else 1.0)) * 3.0 ** rng.uniform(-0.5, 1.0)
         one = replace(one, K=math.copysign(size, start.K))
-        tried.append(_weighed(days, one, noises[one.integrating], 2))
+        turns, left = [], tuple(noises[one.integrating])
+        for _ in range(TURNS):
+            said = predicted(days, one, left)
+            turns.append(Found(one, left, said.nll))
+            one, left = _followed(days, one, said.shown, NARROWER)
+        tried.append(min(turns, key=lambda each: each.nll))
     for kept, evaluations in STAGES:
+        whole = kept == STAGES[-1][0]
+        if whole:
+            days, tried = fine, [_weighed(fine, one.loop, start_noise(fine, one.loop.integrating)) for one in tried]
         tried = _apart(tried)
-        tried = [*(_better(days, one, evaluations) for one in tried[:kept]), *tried[kept:RIVALS]]
+        tried = [*(_better(days, one, evaluations, whole) for one in tried[:kept]), *tried[kept:RIVALS]]
     return sorted(tried, key=lambda one: one.nll)
+
+
+def _followed(
+    days: Sequence[Day], one: Loop, shown: Sequence[Floats], narrower: float = 1.0
+) -> tuple[Loop, tuple[Left, ...]]:
+    """The loop with the gain, the noise and the bands that its likely path asks for; r is at most ``narrower`` r.
+
+    A path that is free to slip anywhere asks for a wider r still, where the noise is large.
+    """
+    one, left, _ = settled(days, one, shown)
+    return banded(days, one, shown, LEAST, max(narrower * one.r, LEAST)), tuple(left)
 
 
 def _apart(tried: Sequence[Found]) -> list[Found]:
@@ -120,36 +141,47 @@ def at_coordinates(one: Loop, at: Floats, time: float, dt: float) -> Loop | None
     if not one.integrating and not (0.1 * dt < tau < SLOWEST * time and tau_2 <= tau):
         return None
     made = replace(one, tau=tau, theta=theta, tau_2=tau_2)
-    if one.S <= 0.0:
+    if len(at) < 4:
         return made
     S, jump, r = math.exp(float(at[3])), float(at[4]), math.exp(float(at[5]))
     return replace(made, S=S, J=jump * S, r=r) if 0.0 <= jump <= 1.0 and LEAST <= r <= MOST else None
 
 
-def _better(days: Sequence[Day], start: Found, evaluations: int) -> Found:
-    """The likeliest loop near a start, by the simplex of Nelder and Mead; gain and noise follow each try."""
+def _better(days: Sequence[Day], start: Found, evaluations: int, whole: bool = True) -> Found:
+    """The likeliest loop near a start, by the simplex of Nelder and Mead; gain and noise follow each try.
+
+    ``whole``: the bands of the stem are tried too; else they follow as well.
+    """
     from scipy.optimize import minimize
 
     time, dt, best = half_wave(days), days[0].dt, start
     if start.loop.K == 0.0:
         return start
+    at = coordinates(start.loop, time)
+    sizes = [0.3, 0.4, 0.3, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
+    free = range(1 if start.loop.integrating else 0, len(at) if whole else 3)  # an integrator has no tau
 
     def loss(own: Floats) -> float:
         nonlocal best
-        one = at_coordinates(best.loop, own if len(own) == len(at) else np.append(at[0], own), time, dt)
+        there = at.copy() if whole else at[:3].copy()
+        there[free] = own
+        one = at_coordinates(best.loop, there, time, dt)
         if one is None:
             return WORSE
-        found = profiled(days, one, best.noises)
+        if whole:
+            found = profiled(days, one, best.noises)
+        else:
+            after = _followed(days, one, predicted(days, one, best.noises).shown)
+            found = Found(*after, predicted(days, *after).nll)
         best = min(best, found, key=lambda each: each.nll)
         return found.nll
 
-    at = coordinates(start.loop, time)
-    sizes = [0.3, 0.4, 0.3, 0.08, -0.12 if start.loop.J > 0.5 * start.loop.S else 0.12, 0.4]
-    simplex = np.vstack([at, at + np.diag(sizes[: len(at)])[1 if start.loop.integrating else 0 :]])
-    if start.loop.integrating:  # which has no tau
-        simplex = simplex[:, 1:]
+    first = at[free]
     minimize(
-        loss, simplex[0], method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": evaluations, "xatol": 1e-4},
+        loss, first, method="Nelder-Mead",
+        options={
+            "initial_simplex": np.vstack([first, first + np.diag(np.array(sizes)[free])]), "maxfev": evaluations,
+            "xatol": 1e-4,
+        },
     )  # fmt: skip
     return best

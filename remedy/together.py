@@ -71,7 +71,8 @@ class Pair:
         own = {part: self._better(self._begun(part, begun), part) for part in PARTS}
         likely = _best(own.values())
         again = self._better(_best(self._predicted((one, one), likely.noises) for one in likely.loops))
-        self.shared = self._weighed(_best((begun, again)))
+        alike = [replace(each, loops=(one, one)) for each in own.values() for one in each.loops]
+        self.shared = _best(self._weighed(one) for one in (begun, again, *alike))  # the likeliest may be so by luck
         self.own = {part: self._weighed(one, part) for part, one in own.items()}
 
     def gain(self, part: str) -> float:

@@ -1,9 +1,9 @@
-"""Fits and remedies on hidden plants: ``python -m benchmarks.remedy [--loops N] [--first SEED] [--json FILE]``.
+"""Fits and remedies on hidden plants: ``python -m benchmarks.remedy [--apart] [--loops N] [--first SEED]``.
 
-The plants are those of ``benchmarks.remedy.plants``: their stems, processes and loads are not the fit's, and their
-simulation (``benchmarks.remedy.running``) shares nothing with it.  The fit sees 4,000 samples of OP, PV and SP.  Every
-remedy of the advice is then tried on the hidden plant under the load that the record had, and so is doing nothing.  One
-loop of six is sound.  Seeds 0 to 19 served to make the fit; what is measured stands on others.
+The plants are those of ``benchmarks.remedy.plants``, or of ``benchmarks.remedy.apart``: their stems, processes and
+loads are not the fit's, and their simulation (``benchmarks.remedy.running``) shares nothing with it.  The fit sees OP,
+PV and SP alone.  Every remedy of the advice is then tried on the hidden plant under the load that the record had, and
+so is doing nothing.  Seeds 0 to 19 served to make the fit, and 0 to 59 apart; what is measured stands on others.
 
 S, J, K, K J     error of the value over the truth, and how often the 90 % interval holds the truth
 lags             sum of all lags and dead time, in the same way
@@ -27,17 +27,17 @@ from stickslip.remedy import Advice, FitError, fit, remedies
 from stickslip.remedy.advice import TRAVEL
 from stickslip.remedy.loop_fit import LoopFit, size_of, widened
 
+from benchmarks.remedy import apart
 from benchmarks.remedy.plants import LAWS, Plant
 from benchmarks.remedy.rows import appended, kept
 
 KEYS = ("S", "J", "K", "KJ", "lags")
 
 
-def row(seed: int) -> dict[str, Any]:
+def row(plant: Plant) -> dict[str, Any]:
     """What a loop showed."""
-    plant = Plant.drawn(seed)
     began = time.process_time()
-    found: dict[str, Any] = {"seed": seed, "law": plant.law, "integrating": plant.integrating}
+    found: dict[str, Any] = {"seed": plant.seed, "law": plant.law, "integrating": plant.integrating}
     try:
         one = fit(plant.record())
         took = time.process_time()
@@ -57,7 +57,13 @@ def _sizes(plant: Plant, one: LoopFit) -> dict[str, Any]:
     lags = size_of(np.array([own.tau_2 + own.theta + (0.0 if own.integrating else own.tau) for own in one.loops]))
     sizes = {"S": one.S, "J": one.J, "K": one.K, "KJ": one.KJ, "lags": lags}
     return {key: [size.value, size.low, size.high, plant.truth[key]] for key, size in sizes.items()} | {
-        "middle": {key: float(np.median([getattr(own, key) for own in one.loops])) for key in ("S", "J", "K")}
+        "middle": {key: float(np.median([getattr(own, key) for own in one.loops])) for key in ("S", "J", "K")},
+        "each": {
+            key: [float(getattr(own, key)) for own in one.loops] for key in ("S", "J", "K", "tau", "tau_2", "theta")
+        },
+        "free": one.free_error,
+        "step": one.one_step_error,
+        "follows": one.best.follows,
     }
 
 
@@ -104,8 +110,8 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
             error = np.abs(given[:, 0] / given[:, 3] - 1.0)
             holds = np.mean((own[:, 1] <= own[:, 3]) & (own[:, 3] <= own[:, 2]))
             lines.append(
-                f"{key}: median error {100 * np.median(error):.0f} % of {len(given)} known; the 90 % interval holds "
-                f"{100 * holds:.0f} % of {len(own)}"
+                f"{key}: median error {100 * np.median(error):.0f} % of {len(given)} known of {len(own)}; the 90 % "
+                f"interval holds {100 * holds:.0f} %"
             )
     pairs = np.array([pair for r in seen for pair in r.get("sd", [])])
     if len(pairs):
@@ -128,10 +134,12 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
 def by_kind(rows: Sequence[dict[str, Any]]) -> list[str]:
     """A line for each law of friction and kind of process."""
     lines = []
-    for law in LAWS:
+    for law in (*LAWS, *(law for law in apart.LAWS if law not in LAWS)):
         for integrating in (False, True):
             own = [r for r in rows if (r["law"], r["integrating"]) == (law, integrating) and "refused" not in r]
             judged = [r for r in own if "picked" in r]
+            if not own:
+                continue
             S = [abs(r["S"][0] / r["S"][3] - 1.0) for r in judged if "S" in r]
             lines.append(
                 f"{law:18} {'integrating' if integrating else 'self-regulating':15} {len(own):3} loops, sticky "
@@ -147,6 +155,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--loops", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--apart", action="store_true", help="loops of benchmarks.remedy.apart")
     parser.add_argument("--quick", action="store_true", help="five loops")
     parser.add_argument("--json", type=Path, help="append each row to this file; what it has is not run again")
     given = parser.parse_args()
@@ -154,7 +163,7 @@ def main() -> None:
     done = {r["seed"] for r in rows}
     for seed in range(given.first, given.first + (5 if given.quick else given.loops)):
         if seed not in done:
-            rows += appended(given.json, [row(seed)])
+            rows += appended(given.json, [row(apart.drawn(seed) if given.apart else Plant.drawn(seed))])
     print("\n".join([*summary(rows), *by_kind(rows)]))
 
 

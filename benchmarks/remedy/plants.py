@@ -27,7 +27,10 @@ LOADS = ("wander", "steps", "both")
 
 
 class Loads(NamedTuple):
-    """How the load goes [% of OP]: a wander of a spread and a memory [samples], and steps at so many of the samples."""
+    """How the load goes [% of OP]: a wander of a spread and a memory [samples], and steps at so many of the samples.
+
+    With an infinite memory it walks: by ``wander`` in a thousand samples.
+    """
 
     size: float
     wander: float
@@ -35,10 +38,10 @@ class Loads(NamedTuple):
     rate: float
     jump: float
 
-    def drawn(self, r: Any) -> Floats:
+    def drawn(self, r: Any, samples: int = SAMPLES) -> Floats:
         """A load, (samples,)."""
-        load = self.wander * _wander(r, self.memory)
-        at = np.flatnonzero(r.random(SAMPLES) < self.rate)
+        load = self.wander * _wander(r, self.memory, samples)
+        at = np.flatnonzero(r.random(samples) < self.rate)
         for one, jump in zip(at, self.jump * r.normal(size=len(at)), strict=True):
             load[one:] += jump - 0.3 * load[one]  # it stays in bounds
         load[:40] += 0.4 * self.size * (1.0 - np.arange(40) / 40.0)  # a push, so that what can cycle does
@@ -130,7 +133,7 @@ class Plant:
         elif change == "sensor_drift":
             far = 1.5 * loads.size * n.K * (1.0 if n.T_1 > 0.0 else n.T_2 + n.theta)
             off += far * (np.minimum(np.arange(len(off)) / len(off) * 2.0, 1.0) if r.random() < 0.5 else 1.0)
-        load = loads.drawn(r)[: len(off)]
+        load = loads.drawn(r, len(off))
         return replace(
             self,
             numbers=n,
@@ -164,7 +167,7 @@ class Plant:
         dt = self.dt
         left = factors.get("valve.S", 1.0)
         settings = own._replace(
-            K_p=p.get("controller.K_p", own.K_p * factors.get("controller.K_p", 1.0)),
+            K_p=math.copysign(p.get("controller.K_p", abs(own.K_p) * factors.get("controller.K_p", 1.0)), own.K_p),
             T_i=p.get("controller.T_i", own.T_i * factors.get("controller.T_i", 1.0)),
             gap=p.get("controller.gap", 0.0), zone=p.get("controller.zone", 0.0), pulse=p.get("knocker.a", 0.0),
             period=round(p.get("knocker.period", 5.0 * dt) / dt), width=round(p.get("knocker.width", 2.0 * dt) / dt),
@@ -200,9 +203,10 @@ class Plant:
         return float(np.std((self.sp - pv)[first:])), travel
 
 
-def _wander(r: Any, memory: float) -> Floats:
-    """A first-order wander of spread 1 and ``memory`` [samples]."""
+def _wander(r: Any, memory: float, samples: int) -> Floats:
+    """A first-order wander of spread 1 and ``memory`` [samples], or a walk."""
     from scipy.signal import lfilter
 
     a = math.exp(-1.0 / memory)
-    return np.asarray(lfilter([math.sqrt(1.0 - a * a)], [1.0, -a], r.normal(size=SAMPLES)))
+    size = math.sqrt(1.0 - a * a) if a < 1.0 else math.sqrt(1e-3)
+    return np.asarray(lfilter([size], [1.0, -a], r.normal(size=samples)))

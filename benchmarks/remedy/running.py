@@ -7,6 +7,7 @@
 
 The law -1 is LuGre's, with stiff and damped bristles:  M dv/dt = air - x - sigma_0 z - sigma_1 dz/dt - F_v v,
 dz/dt = v - sigma_0 |v| z / g(v),  g(v) = f_d + (f_s - f_d) exp(-(v/v_s)^2)   (Canudas de Wit et al. 1995).
+Laws below -1 move at a scan (``sampled_stems``), and what they drive lags as the actuator does.
 
 Values are deviations from rest.  Between controller and valve stand the remedies, as their sources have them: a gap and
 a zone of the error, pulses, a constant in OP's way, two moves.
@@ -17,6 +18,8 @@ from typing import Any, NamedTuple
 
 from stickslip.calibration.crossed.stems import moved
 from stickslip.logs.compiled import njit
+
+from benchmarks.remedy.sampled_stems import at_scan
 
 
 class Numbers(NamedTuple):
@@ -74,6 +77,8 @@ def _lugre(s: Any, op: float, h: float, S: float, J: float, lag: float, mass: fl
 def run(n: Numbers, c: Settings, sp: Any, load: Any, noise: Any, out: Any) -> None:
     """Simulate; ``sp``, ``load``, ``noise`` (scans,), ``out`` (3, scans): PV, OP and stem at each scan."""
     s, late = [0.0] * 8, [0.0] * max(int(n.theta / n.h), 1)
+    stem = [0.0] * 8
+    stem[1] = 1.0
     if n.law == 0 or n.law == 5:
         s[1] = s[3] = 1.0  # it stands
     y_1 = y_2 = y_3 = total = 0.0
@@ -134,8 +139,12 @@ def run(n: Numbers, c: Settings, sp: Any, load: Any, noise: Any, out: Any) -> No
                         mode, left = 1, c.pause
                         op = summed / count + last_way * c.move_S
                     side, summed, count = 1, 0.0, 0
+        if n.law < -1:
+            at_scan(stem, op, n.law, n.S, n.J)
         for _ in range(n.scan):
-            if n.law < 0:
+            if n.law < -1:
+                s[0] += (stem[0] - s[0]) * (1.0 - math.exp(-n.h / n.air))
+            elif n.law < 0:
                 _lugre(s, op, n.h, n.S, n.J, n.air, n.mass)
             else:
                 moved(s, op, n.h, n.law, n.S, n.J, n.air, n.mass, 0)

@@ -120,6 +120,19 @@ def test_the_python_file_runs_and_swings_as_the_record(record, found):
     assert float(np.std(run.log["PV"][900:])) == pytest.approx(float(np.std(record.e[900:])), rel=0.4)
 
 
+def test_a_process_that_does_not_answer_has_no_gain_and_no_tuning_by_it(found):
+    still = replace(found, loops=tuple(replace(one, K=0.0) for one in found.loops))
+    assert still.K.value is None
+    assert "lambda tuning" not in [one.name for one in remedies(still).tried]  # this divided by zero
+
+
+def test_a_dead_travel_of_no_size_is_not_told(found):
+    sizes = np.geomspace(1.0, 8.0, len(found.loops))
+    wide = replace(found, loops=tuple(replace(one, S=S) for one, S in zip(found.loops, sizes, strict=True)))
+    assert found.S.value is not None
+    assert wide.S.value is None and "factor of three" in wide.S.reason and wide.S.low < wide.S.high
+
+
 def test_settings_follow_their_rules():
     at = Situation(0.8, 30.0, 2.0, 5.0, 2.0, 1.2, 30.0, 4.0, 0.1, 0.8, False, True, "%", "m3/h")
     by = {one.TITLE: one.settings(at) for one in REMEDIES}

@@ -15,8 +15,14 @@ def wander(n=20_000, a=0.8):
 
 def test_a_memory_is_that_of_least_squares():
     v, _ = wander(500)
-    X = np.column_stack([v[8 - k : len(v) - k] for k in range(1, 9)])
-    np.testing.assert_allclose(past(v), np.linalg.lstsq(X, v[8:], rcond=None)[0], atol=1e-6)
+    spans = [(1, 1), (2, 2), (3, 3), (4, 5), (6, 8), (9, 13), (14, 21), (22, 33)]
+    a = past(v)
+    X = np.column_stack([np.mean([v[33 - k : len(v) - k] for k in range(i, j + 1)], axis=0) for i, j in spans])
+    b = np.linalg.lstsq(X, v[33:], rcond=None)[0]
+    np.testing.assert_allclose(
+        a, np.concatenate([[c / (j - i + 1)] * (j - i + 1) for c, (i, j) in zip(b, spans, strict=True)]), atol=1e-6
+    )
+    assert len(past(v[:60])) == 5  # a short record has a short memory
 
 
 def test_whitened_it_is_what_made_it():
