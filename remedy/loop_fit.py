@@ -241,7 +241,8 @@ class LoopFit(Shown):
     @property
     def headline(self) -> str:
         """What was fitted, in one line."""
-        valve = f"sticks, S = {self.S} {self.op_unit}" if self.sticks else "does not stick"
+        shows = f"shows no stick, S = {self.S} {self.op_unit}" if self.S.high else "does not stick"  # it may be blind
+        valve = (f"sticks, S = {self.S} {self.op_unit}" if self.S.value else "sticks") if self.sticks else shows
         kind = "an integrating process" if self.best.integrating else "a process that settles"
         return f"{self.name or 'loop'}: the valve {valve}; {self.controller.form} controller, {kind}"
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.role import Role
+from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
@@ -62,12 +63,13 @@ class Frame:
 
     @cached_property
     def first(self) -> dict[str, float]:
-        """The first value of every signal: as it is logged, or else as the model starts."""
-        record, t0 = self.record, float(self.record.log.t[0])
-        played = {s: record.source(s) for s in record.played}
-        begun = simulate(close(self.quiet, played) if played else self.quiet, record.log.dt, times=[t0], t0=t0).log
-        found = {s: float(begun[s][0]) for s in begun.names}
-        return found | {s: value for s, value in record.first.items() if math.isfinite(value)}
+        """The first value of every signal: as it is logged, or as the model makes it of those that are."""
+        known = {s: v for s, v in self.record.first.items() if math.isfinite(v)}
+        given = [b for b in self.quiet.blocks if b.output_labels and {*map(str, b.output_labels)} <= known.keys()]
+        rest = self.quiet.without(*(b.name for b in given)) if given else self.quiet
+        needed = {s: Constant(s, known[s], name=f"{s}:first") for s in map(str, rest.open_inputs)}
+        begun = simulate(close(rest, needed), self.record.log.dt, times=[0.0]).log if rest.blocks else None
+        return {s: float(begun[s][0]) for s in begun.names} | known if begun is not None else known
 
     @cached_property
     def Y(self) -> Floats:

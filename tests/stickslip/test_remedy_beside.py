@@ -13,7 +13,7 @@ def plant(tmp_path):
     folder = tmp_path / "plant"
     folder.mkdir()
     for name, S, J in (("FIC1", 5.0, 1.5), ("FIC2", 0.0, 0.0)):
-        record = sticky(hours=0.8, S=S, J=J, seed=3)
+        record = sticky(hours=1.2, S=S, J=J, seed=3)
         columns = np.column_stack([record.t, record.sp, record.op, record.pv])
         head = f"time,{name}.SP,{name}.OP,{name}.PV"
         np.savetxt(folder / f"{name}.csv", columns, fmt="%.6f", delimiter=",", header=head, comments="")
