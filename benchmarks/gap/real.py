@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.gap.effects import CATALOGUE, effect
-from stickslip.gap.free_run import FreeFit, FreeModel, explained, folds, left_out
-from stickslip.gap.static_map import static_map
 from stickslip.logs import Log
+
+from benchmarks.gap.free_run import FreeFit, FreeModel, explained, folds, left_out
+from benchmarks.gap.static_map import static_map
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

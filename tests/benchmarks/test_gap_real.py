@@ -5,11 +5,11 @@ import pytest
 from stickslip.blocks import FirstOrder, Sensor
 from stickslip.diagram import wire
 from stickslip.gap.effects import effect
-from stickslip.gap.free_run import FreeModel
-from stickslip.gap.static_map import static_map
 from stickslip.logs import Log
 
 from benchmarks.gap import real
+from benchmarks.gap.free_run import FreeModel
+from benchmarks.gap.static_map import static_map
 from benchmarks.gap.thesis import indices, loop, scored
 
 

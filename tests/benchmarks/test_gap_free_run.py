@@ -5,8 +5,9 @@ import pytest
 from stickslip.blocks import Tank
 from stickslip.diagram import wire
 from stickslip.gap.effects import effect
-from stickslip.gap.free_run import FreeModel, explained, folds, left_out
 from stickslip.logs import Log
+
+from benchmarks.gap.free_run import FreeModel, explained, folds, left_out
 
 
 @pytest.fixture(scope="module")
