@@ -12,13 +12,14 @@ from stickslip.gap.explanations.isolability import classes
 from stickslip.gap.explanations.pair import Pair
 from stickslip.gap.explanations.unmeasured import UnmeasuredLoad
 from stickslip.gap.fits.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, proven, scored_alone, share
-from stickslip.gap.fits.noise import correlation, is_noise
+from stickslip.gap.fits.noise import is_noise
 from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
 from stickslip.gap.fits.sensitivity import seen
 from stickslip.gap.floors.floor import losses
 from stickslip.gap.floors.problem import Problem
 from stickslip.gap.records.model import nuisances
 from stickslip.gap.telling.creep import about_creep, coarse, creeps, least_sizes
+from stickslip.gap.telling.residual_shape import shape
 from stickslip.gap.telling.separating import staircase_separates, tags
 from stickslip.gap.telling.sizes import SEEN, shares, shrinkage, sizes
 from stickslip.gap.telling.structure import by_wiring
@@ -249,27 +250,6 @@ def held_out(problem: Problem, fits: Sequence[Fit]) -> Shrinkage | None:
     after = candidate.tried([again.values if again else fit.values])[0].e
     first = len(head.record.log) - problem.floor.skipped
     return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first)
-
-
-def shape(problem: Problem) -> list[str]:
-    """Return in words with what the largest residual goes: level, rate, direction, time."""
-    e = np.nan_to_num(np.clip(problem.as_it_is, -20.0, 20.0))
-    k = int(np.argmax(np.abs(e).mean(axis=0)))
-    log, skipped = problem.record.log, problem.floor.skipped
-    against: dict[str, Floats] = {"time": log.t[skipped:]}
-    for s in log.names:
-        values = np.nan_to_num(log[s])
-        against[f"the level of {s}"] = values[skipped:]
-        against[f"the rate of {s}"] = np.gradient(values)[skipped:]
-        against[f"the direction of {s}"] = np.sign(np.gradient(values))[skipped:]
-    signal = problem.record.pinned[k]
-    words = []
-    for what, size in (("residual", e[:, k]), ("size of the residual", np.abs(e[:, k]))):
-        found = {name: correlation(size, values) for name, values in against.items()}
-        best = max(found, key=lambda name: abs(found[name]))
-        if abs(found[best]) >= 0.1:
-            words.append(f"The {what} of {signal} goes with {best} (correlation {found[best]:.2f}).")
-    return words or [f"The residual of {signal} goes with no logged level, rate or direction."]
 
 
 def abnormal_segment(problem: Problem) -> tuple[str, ...]:
