@@ -26,25 +26,35 @@ def fitted_scan(candidate: Candidate) -> Fit | None:
     """Return the best fit of a scanning controller; None if no run succeeded."""
     log = candidate.problem.record.log
     signal = str(candidate.base[candidate.place].output_labels[0])
-    own = candidate.nominal["period"]
-    good = log.good(signal) if signal in log else np.zeros(0, dtype=bool)
-    guesses = read_off(log.t[good], log[signal][good]) if good.any() else []
-    if own > 0.0:
-        guesses += [(own * factor, 0.0) for factor in OTHERS]
-    elif not guesses:
-        guesses = [(log.dt * factor, 0.0) for factor in FASTER]
-    low, high = candidate.bounds["period"]
-    many = [
-        {"period": float(period), "offset": float(offset % period), "present": present}
-        for period, offset in guesses
-        if min(low, log.dt * FASTER[0]) <= period <= high
-        for present in (1.0, 0.0)
-    ]
+    values = np.where(log.good(signal), log[signal], np.nan) if signal in log else np.full(len(log), np.nan)
+    seen = np.isfinite(values)
+    many = first_scans(log.t[seen], values[seen], candidate.nominal["period"], log.dt, candidate.bounds["period"])
     head = replace(candidate, problem=candidate.problem.early)
     if head.problem is not candidate.problem and len(many) > KEPT:
         fits = [fit for fit in head.tried(many) if math.isfinite(fit.F)]
         many = [dict(fit.values) for fit in sorted(fits, key=lambda fit: fit.F)[:KEPT]]
     return best_of(candidate.tried(many))
+
+
+def first_scans(
+    t: Floats, values: Floats, own: float, dt: float, bounds: tuple[float, float]
+) -> list[dict[str, float]]:
+    """Return the scans to try first: as the values of OP at ``t`` show them, or else faster than rows ``dt`` [s] apart.
+
+    And multiples of a controller's ``own`` period, where it scans already; all within the bounds of a period.
+    """
+    guesses = read_off(t, values) if len(t) else []
+    if own > 0.0:
+        guesses += [(own * factor, 0.0) for factor in OTHERS]
+    elif not guesses:
+        guesses = [(dt * factor, 0.0) for factor in FASTER]
+    low, high = bounds
+    return [
+        {"period": float(period), "offset": float(offset % period), "present": present}
+        for period, offset in guesses
+        if min(low, dt * FASTER[0]) <= period <= high
+        for present in (1.0, 0.0)
+    ]
 
 
 def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:

@@ -5,7 +5,7 @@ so each effect is fitted to a first part of the record.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.frame import Frame
-from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis
+from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import score
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.sizes import sizes
@@ -31,14 +31,18 @@ class Candidate:
     """The best first ``values`` of a ``hypothesis`` and the ``gain`` that they promise [nats].
 
     ``direction`` (rows, signals), of unit length, is what they change with the gains of the model; None where these
-    gains do not hold.  ``fresh``: whether the gain is that of filters of its own.
+    gains do not hold.
     """
 
     hypothesis: Hypothesis
     values: Mapping[str, float]
     gain: float
     direction: Floats | None
-    fresh: bool = False
+
+    @property
+    def races(self) -> bool:
+        """Whether first rows say how well it does: a load may begin behind them, and a stem has a bank of its own."""
+        return _races(self.hypothesis)
 
 
 def by_score(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
@@ -56,7 +60,7 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     if start is None:
         return by_score(rough, hypotheses, progress)
     alone = refined(with_switches(start), tuple(short.free), SPRINT)
-    return _each(hypotheses, lambda one: _raced(alone, null, rough, one), progress)
+    return _each(hypotheses, lambda one: _raced(alone, rough, one), progress)
 
 
 def _each(
@@ -88,31 +92,39 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     return best
 
 
-def _raced(alone: Fit, null: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
-    """Return sizes that are fitted to the rows of ``alone``, the model without an effect; ``null`` that in all rows."""
-    short, stated = alone.hypothesis.frame, one.frame.stated
-    fresh = not (one.hides or (one.effect is not None and is_load(one.effect)))
-    if not fresh:  # a load may begin behind the first rows
-        trials = [tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one)]
-        best = min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
-        gain = 0.0 if best is None else PART * (rough.nll - best.nll)
+def _races(one: Hypothesis) -> bool:
+    return not (one.hides or (one.effect is not None and is_load(one.effect)))
+
+
+def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
+    """Return sizes fitted to the rows of ``alone``, the model without an effect; ``rough``: it in all rows."""
+    if _races(one):
+        best = _on_first_rows(alone.hypothesis.frame, rough, one)
+        gain = 0.0 if best is None else alone.nll - best.nll
     else:
-        part = one.of_rows(replace(short, apart=True))
-        trials = [tried(part, {**stated, **size}) for size in sizes(rough, one)]
-        best = min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
-        if best is None:
-            return None
-        best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best
-        whole = tried(one.of_rows(short), best.values)
-        if whole is not None:
-            best = refined(with_switches(whole), free_names(one), SPRINT).best
-        gain = alone.nll - best.nll
+        best = _likeliest(tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one))
+        gain = 0.0 if best is None else PART * (rough.nll - best.nll)
     if best is None:
         return None
     own = {name: best.values[name] for name in one.own}
     near = tried(one, {**rough.best.values, **own}, rough.best)  # its gains fit its own noise only
     scored = None if near is None else score(rough, near)
-    return Candidate(one, {**stated, **own}, gain, None if scored is None else scored[1], fresh)
+    return Candidate(one, {**one.frame.stated, **own}, gain, None if scored is None else scored[1])
+
+
+def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | None:
+    """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them."""
+    part = replace(one, frame=replace(short, apart=True))
+    best = _likeliest(tried(part, {**one.frame.stated, **size}) for size in sizes(rough, one))
+    if best is None:
+        return None
+    best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best
+    whole = tried(replace(one, frame=short), best.values)
+    return best if whole is None else refined(with_switches(whole), free_names(one), SPRINT).best
+
+
+def _likeliest(trials: Iterable[Innovations | None]) -> Innovations | None:
+    return min((x for x in trials if x is not None), key=lambda x: x.nll, default=None)
 
 
 def first_rows(null: Fit) -> Frame:

@@ -100,10 +100,10 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     rough = model_alone(replace(frame, apart=True))
     null = settled(rough)
     alone = judged(null, [], seed)
-    far, possible = alone.unusual or gross(rough), legal(rough, catalogue)
     shown = by_digits(null, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
+    far, possible = alone.unusual or gross(rough), legal(rough, catalogue)
     found = by_race(null, rough, possible, progress) if far else by_score(rough, possible, progress)
     values = float(np.isfinite(rough.best.judged).sum())
     calm = not far and all(worth(c, values) + ROUGHLY < needed(found) for c in found)

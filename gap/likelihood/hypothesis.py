@@ -139,10 +139,6 @@ class Hypothesis:
         other.__dict__["prepared"] = self.prepared
         return other
 
-    def of_rows(self, frame: Frame) -> "Hypothesis":
-        """Return the same hypothesis of other rows."""
-        return replace(self, frame=frame)
-
     def model(self, values: Mapping[str, float]) -> Diagram:
         """Return the diagram, with its nuisances, that these values stand for."""
         grouped: dict[str, dict[str, float]] = {}

@@ -66,9 +66,9 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
 def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progress = None) -> list[Fit]:
     """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found."""
     first: list[Fit] = []
-    least = SLOWER * max((c.gain for c in found if c.fresh), default=0.0) if raced else -math.inf
+    least = SLOWER * max((c.gain for c in found if c.races), default=0.0) if raced else -math.inf
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
-    chosen = [c for c in found[:TRIED] if c.gain >= least or not c.fresh]
+    chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
     chosen += [c for c in found[TRIED:] if c.hypothesis.hides]
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:

@@ -10,8 +10,9 @@ from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.scan_time import ScanTime
 from stickslip.gap.fits.loads import is_load, planned
-from stickslip.gap.fits.scans import FASTER, OTHERS, read_off
+from stickslip.gap.fits.scans import first_scans
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 
@@ -30,7 +31,7 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     assert effect is not None
     if is_load(effect):
         return _loads(null, one)
-    if one.own[:1] == ("period",) and one.own[1:2] == ("offset",):
+    if isinstance(effect, ScanTime):
         return _scans(one)
     if one.own == ("low", "high"):
         return _limits(one)
@@ -56,19 +57,13 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
 
 
 def _scans(one: Hypothesis) -> list[dict[str, float]]:
-    """Return scans as the log shows them, or faster than its rows, or slower than those of the model."""
-    f, own, dt = one.frame, one.nominal["period"], one.frame.record.log.dt
+    """Return scans that the model's controller does not have."""
+    f, own = one.frame, one.nominal["period"]
     signal = str(f.model[one.place].output_labels[0])
-    good = np.isfinite(f.Y[:, f.signals.index(signal)]) if signal in f.signals else np.zeros(0, dtype=bool)
-    seen = read_off(f.record.log.t[good], f.Y[good, f.signals.index(signal)]) if good.any() else []
-    seen += [(own * by, 0.0) for by in OTHERS if by != 1.0] if own > 0.0 else []
-    low, high = one.bounds["period"]
-    return [
-        {"period": period, "offset": offset % period, "present": present}
-        for period, offset in seen or [(dt * by, 0.0) for by in FASTER]
-        if min(low, dt * FASTER[0]) <= period <= high
-        for present in (1.0, 0.0)
-    ]
+    values = f.Y[:, f.signals.index(signal)] if signal in f.signals else np.full(len(f.Y), np.nan)
+    good = np.isfinite(values)
+    found = first_scans(f.record.log.t[good], values[good], own, f.record.log.dt, one.bounds["period"])
+    return [size for size in found if size["period"] != own]
 
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:

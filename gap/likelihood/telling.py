@@ -59,9 +59,11 @@ def _named(o: Outcome) -> GapReport:
             f"The log is {o.null.nll - best.nll:.1f} nats likelier with it; what it leaves is usual "
             f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
         )
-    shares = _posterior(o, o.fits)
-    sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
-    sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll)) if o.textured else sure
+    if o.textured:
+        sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll))
+    else:
+        shares = _posterior(o, o.fits)
+        sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
     where = Where(one.place, sure, places, _by_place(o))
     cause = Cause(effect.name, one.place, sure, others, found)
     shrunk = None if o.textured else held_out(o.null, best)
