@@ -124,9 +124,11 @@ def extended(  # type: ignore[no-untyped-def]
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
-    count, status, near, lost = 0, 0, True, False
+    count, status, near, lost, moved = 0, 0, True, False, False
     for k in range(len(times)):
-        restore(I, W, base_I, base_W)
+        if moved:  # other runs have left the same instant since
+            restore(I, W, base_I, base_W)
+            moved = False
         put(I, W, places[0], z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
@@ -134,16 +136,14 @@ def extended(  # type: ignore[no-untyped-def]
         for j in range(q):
             force[k, j] = W[noisy[j]]
             W[noisy[j]] *= phi[k, j]
-        stop_I[:], stop_W[:] = I[:kept], W[:saved]
         read(W, places[1], at_stop)
         status = pass_instant(I, W, buffer, no_rows)
         if status != 0:
             break
-        next_I[:], next_W[:] = I[:kept], W[:saved]
         read(W, places[1], behind)
         read(W, shown, y)
         columns = narrowed(D, columns, size, q)
-        slot = same_kind(base_I, next_I, base_W, modes, kinds, known, times, phi, sd, k)
+        slot = same_kind(base_I, I, base_W, modes, kinds, known, times, phi, sd, k)
         width = -1
         if slot >= 0 and known[slot] >= 0:
             i = which[known[slot]]
@@ -151,6 +151,9 @@ def extended(  # type: ignore[no-untyped-def]
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
             which[k] = i
         row = row_of[k]
+        moved = row >= 0 or width < 0 or near
+        if moved:
+            next_I[:], next_W[:] = I[:kept], W[:saved]
         # between rows nothing bends within the spread, if it did not within more of it at the row before
         bends = width >= 0 and (row >= 0 or near) and not straight(
             I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
@@ -163,6 +166,16 @@ def extended(  # type: ignore[no-untyped-def]
             width = -1
         fresh = width < 0
         if fresh:
+            if not moved:
+                next_I[:], next_W[:], moved = I[:kept], W[:saved], True
+            restore(I, W, base_I, base_W)
+            put(I, W, places[0], z)
+            status = arrive(I, W, buffer, no_rows, times[k])
+            if status != 0:
+                break
+            for j in range(q):
+                W[noisy[j]] *= phi[k, j]
+            stop_I[:], stop_W[:] = I[:kept], W[:saved]
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
@@ -211,7 +224,10 @@ def extended(  # type: ignore[no-untyped-def]
         else:
             z[:] = behind
         D, E, columns = E, D, width
-        base_I[:], base_W[:] = next_I, next_W
+        if moved:
+            base_I[:], base_W[:] = next_I, next_W
+        else:
+            base_I[:], base_W[:] = I[:kept], W[:saved]
     return status, A[:count].copy(), B[:count].copy(), H[:count].copy(), G[:count].copy()
 
 

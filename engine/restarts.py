@@ -11,7 +11,22 @@ from stickslip.engine.call import pointer_to
 from stickslip.engine.events import keep_inputs, watch_rates
 from stickslip.engine.flat import Floats, Ints
 from stickslip.engine.floats import copy
-from stickslip.engine.layout import CURRENT, EV_COUNT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
+from stickslip.engine.layout import (
+    CURRENT,
+    EV_COUNT,
+    EVENTS_SEEN,
+    FRESH,
+    HOLD,
+    N_BLOCKS,
+    N_STATES,
+    O_X,
+    O_Y0,
+    PAUSE_AT,
+    SAVED,
+    H,
+    R,
+    T,
+)
 from stickslip.engine.sweep import signals
 
 NOT_LAST = np.bool_(False)  # for the literal False numba would compile the engine once more
@@ -64,7 +79,7 @@ def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
 
 def kept_sizes(I: Ints) -> tuple[int, int]:
     """Return how many integers and floats of a run have to be kept to go back to it."""
-    return len(I), int(I[SAVED])
+    return H + int(I[N_BLOCKS]) * R, int(I[SAVED])  # plans behind the rows of blocks stay
 
 
 def never_paused(I: Ints) -> None:
