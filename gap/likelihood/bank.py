@@ -19,7 +19,7 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     """
     f, p = one.frame, one.prepared
     full = {**one.nominal, **values}
-    I, W = p.fresh(float(f.stops[0][0]), one.diagram_with(full))
+    I, W = p.fresh(float(f.stops[0][0]), one.blocks_with(full))
     phi, sd = one.noise_with(full)
     z = standing(W, one.places[0])
     times, row_of = f.stops

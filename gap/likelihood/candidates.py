@@ -114,12 +114,12 @@ def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
 
 def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | None:
     """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them."""
-    part = replace(one, frame=replace(short, apart=True))
+    part = one.of(replace(short, apart=True))
     best = _likeliest(tried(part, {**one.frame.stated, **size}) for size in sizes(rough, one))
     if best is None:
         return None
     best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best
-    whole = tried(replace(one, frame=short), best.values)
+    whole = tried(one.of(short), best.values)
     return best if whole is None else refined(with_switches(whole), free_names(one), SPRINT).best
 
 

@@ -11,7 +11,7 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits
 from stickslip.gap.likelihood.fit import Fit
-from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.frame import Frame, Given
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
@@ -63,7 +63,7 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
     """
     if not any(one.correlation_time > 0.0 for one in nuisances(model)) or len(model.blocks) > MOST_BLOCKS:
         return None
-    frame = Frame(model.starting_at(start_values(silenced(model), record)), record)
+    frame = Frame(Given(model.starting_at(start_values(silenced(model), record))), record)
     try:
         alone = Hypothesis(frame)
         if len(alone.prepared.states) > MOST_STATES:

@@ -1,11 +1,13 @@
 """What every hypothesis of one record shares: rows and stops, what the log rounds, what is free in every fit."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.recorded import Recorded
 from stickslip.blocks.role import Role
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
@@ -23,17 +25,10 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
-    """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals;
-    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
-    ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most.
-    """
+class Given:
+    """What a ``model`` with its nuisances states, whatever it is held against."""
 
     model: Diagram
-    record: Record
-    apart: bool = False
-    seen: float = 1.0
-    draws: int = DRAWS
 
     @cached_property
     def quiet(self) -> Diagram:
@@ -44,6 +39,55 @@ class Frame:
     def noise(self) -> tuple[Nuisance, ...]:
         """Sources of random numbers."""
         return nuisances(self.model)
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """What is fitted with every hypothesis, block.parameter -> (low, high): tolerances, noise and loads."""
+        return stated_about(self.model) | known_within(self.quiet)
+
+    @cached_property
+    def stated(self) -> dict[str, float]:
+        """What the model states of all that is free, block.parameter -> value."""
+        return stated(self.model, self.free)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
+    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
+    ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most.
+    """
+
+    given: Given
+    record: Record
+    apart: bool = False
+    seen: float = 1.0
+    draws: int = DRAWS
+
+    @property
+    def model(self) -> Diagram:
+        """The model with its nuisances."""
+        return self.given.model
+
+    @property
+    def quiet(self) -> Diagram:
+        """The model without random numbers."""
+        return self.given.quiet
+
+    @property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return self.given.noise
+
+    @property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """What is fitted with every hypothesis."""
+        return self.given.free
+
+    @property
+    def stated(self) -> dict[str, float]:
+        """What the model states of all that is free."""
+        return self.given.stated
 
     @cached_property
     def ops(self) -> tuple[str, ...]:
@@ -70,6 +114,11 @@ class Frame:
         needed = {s: Constant(s, known[s], name=f"{s}:first") for s in map(str, rest.open_inputs)}
         begun = simulate(close(rest, needed), self.record.log.dt, times=[0.0]).log if rest.blocks else None
         return {s: float(begun[s][0]) for s in begun.names} | known if begun is not None else known
+
+    @cached_property
+    def sources(self) -> dict[str, Recorded]:
+        """What plays each logged input."""
+        return {s: self.record.source(s) for s in self.record.played}
 
     @cached_property
     def Y(self) -> Floats:
@@ -109,16 +158,6 @@ class Frame:
         return found
 
     @cached_property
-    def free(self) -> dict[str, tuple[float, float]]:
-        """What is fitted with every hypothesis, block.parameter -> (low, high): tolerances, noise and loads."""
-        return stated_about(self.model) | known_within(self.quiet)
-
-    @cached_property
-    def stated(self) -> dict[str, float]:
-        """What the model states of all that is free, block.parameter -> value."""
-        return stated(self.model, self.free)
-
-    @cached_property
     def scan(self) -> float:
         """The interval in which dead times are followed [s]: that of the fastest scan, or a fifth of a row's."""
         scans = [b.period for b in self.model.blocks if b.sampled and b.role is not Role.HISTORIAN]
@@ -149,6 +188,13 @@ class Frame:
         near = np.clip(np.searchsorted(stops, t - SAME * self.record.log.dt), 0, len(stops) - 1)
         row_of[near] = np.arange(len(t))
         return stops, row_of
+
+    def switching(self, leads: Mapping[str, Mapping[int, float]]) -> "Frame":
+        """Return the same frame with inputs that switch so long before the rows that show it."""
+        other = replace(self, record=replace(self.record, leads=leads))
+        kept = {name: found for name, found in self.__dict__.items() if name not in (*other.__dict__, "sources")}
+        other.__dict__.update(kept)
+        return other
 
     def drawn(self, noise: Nuisance) -> NDArray[np.bool_]:
         """Return at which stops a source of white noise draws."""

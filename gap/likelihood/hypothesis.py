@@ -7,6 +7,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.block import Block
+from stickslip.diagram.changes import blocks_with_params
 from stickslip.diagram.diagram import Diagram
 from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
@@ -91,7 +93,7 @@ class Hypothesis:
         """
         f, p = self.frame, self.prepared
         full = {**self.nominal, **values}
-        I, W = p.fresh(float(f.stops[0][0]), self.diagram_with(full))
+        I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
         phi, sd = self.noise_with(full)
         z = standing(W, self.places[0])
         n, m, q = len(z), len(f.signals), len(p.noise)
@@ -155,21 +157,14 @@ class Hypothesis:
         """What the hypotheses of a record share."""
         return self.frame
 
-    def diagram_with(self, values: Mapping[str, float]) -> Diagram:
-        """Return the prepared diagram with these values."""
+    def blocks_with(self, values: Mapping[str, float]) -> tuple[Block, ...]:
+        """Return the blocks of the prepared diagram with these values, inputs switching when the record has them do."""
         p = self.prepared
         others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self.noise_keys}
-        found = self._played
-        return found.with_params(others) if others else found
-
-    @cached_property
-    def _played(self) -> Diagram:
-        """The prepared diagram with inputs that switch when the record has them switch."""
-        record, found = self.frame.record, self.prepared.diagram
-        for s in (*record.leads, *record.ramps):
-            name = found.blocks[found.driven[s][0]].name
-            found = found.replace(name, record.source(s, name))
-        return found
+        found = blocks_with_params(p.diagram, others)
+        for s, source in self.frame.sources.items():  # the prepared diagram may be that of other switches
+            found[p.diagram.driven[s][0]] = source
+        return tuple(found)
 
     @cached_property
     def noise_keys(self) -> frozenset[str]:

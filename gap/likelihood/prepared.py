@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
@@ -79,10 +80,10 @@ class Prepared:
         ]
         return np.array(found, dtype=np.int64)
 
-    def fresh(self, t0: float, diagram: Diagram | None = None) -> tuple[Whole, Floats]:
-        """Return the arrays of a run that has not begun; ``diagram`` the same one with other parameters."""
+    def fresh(self, t0: float, blocks: tuple[Block, ...]) -> tuple[Whole, Floats]:
+        """Return the arrays of a run that has not begun; ``blocks`` those of the diagram, with other parameters."""
         I, W = prepare(self.component, Settings(max_steps=BUDGET), t0)
-        self.diagram.plan().fill(Snapshot(self.component, I, W), (diagram or self.diagram).blocks)
+        self.diagram.plan().fill(Snapshot(self.component, I, W), blocks)
         never_paused(I)
         return I, W
 

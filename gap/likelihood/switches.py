@@ -97,4 +97,4 @@ def _likelier(now: Innovations, other: Frame) -> Innovations:
 def _with_leads(frame: Frame, leads: Leads) -> Frame:
     """Return what hypotheses share if inputs switch so long before the rows that show it."""
     early = {s: {k: lead for k, lead in known.items() if lead > 0.0} for s, known in leads.items()}
-    return replace(frame, record=replace(frame.record, leads=early))
+    return frame.switching(early)

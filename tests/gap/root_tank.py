@@ -4,7 +4,7 @@ import numpy as np
 from stickslip.blocks import PI, Equations, IdealValve, Noise, SampledPI, SampledSensor, Staircase, Sum
 from stickslip.diagram import Diagram, simulate, wire
 from stickslip.diagram.inputs import close
-from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.frame import Frame, Given
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.start import start_values
 from stickslip.logs import Log
@@ -48,4 +48,4 @@ def logged(model: Diagram, seed: int, every: float = 5.0, duration: float = 5400
 def framed(model: Diagram, log: Log) -> Frame:
     """Return what hypotheses of a log share."""
     opened, record = read(model, log)
-    return Frame(opened.starting_at(start_values(silenced(opened), record)), record)
+    return Frame(Given(opened.starting_at(start_values(silenced(opened), record))), record)

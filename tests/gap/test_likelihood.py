@@ -40,7 +40,7 @@ def test_linear_scanned_loops_have_the_likelihood_of_their_exact_filter(model: D
     f = filtering_of(opened, record)
     assert f is not None
     exact = Explanation(f).filtered({}, exact=True)
-    mine = Hypothesis(Frame(f.model, record)).filtered({})
+    mine = Hypothesis(Frame(f.given, record)).filtered({})
     assert np.abs(mine.losses - (exact.losses - (np.isnan(exact.S) & np.isfinite(f.Y)) @ f.sure))[STEADY:].max() < SAME
 
 
