@@ -40,14 +40,14 @@ def banked(  # type: ignore[no-untyped-def]
     """
     n, m, q, particles, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
     no_rows = np.empty((1, 0))
-    mean_I, mean_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
-    next_I, next_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
-    noisy_I, noisy_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
-    z, ahead = np.empty((particles, n)), np.empty((particles, n))
+    # a run of its own for each, so that nothing is copied between rows
+    mean_I, mean_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
+    noisy_I, noisy_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
     for j in range(particles):
-        mean_I[j], mean_W[j] = I[:kept], W[:saved]
-        noisy_I[j], noisy_W[j] = I[:kept], W[:saved]
-        z[j] = z0
+        mean_I[j], mean_W[j], noisy_I[j], noisy_W[j] = I, W, I, W
+    next_I, next_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
+    z, ahead = np.empty((particles, n)), np.empty((particles, n))
+    z[:] = z0
     y, back, aside = np.empty(m), np.empty(n + q), np.empty(n + q)
     kept_mode, theirs, theirs_at = np.empty(h), np.empty(n), np.empty(particles)
     weight, before, loss, off = np.zeros(particles), np.empty(particles), np.empty(particles), np.empty((particles, m))
@@ -60,40 +60,41 @@ def banked(  # type: ignore[no-untyped-def]
         row = row_of[k]
         for j in range(particles):
             if row < 0:
-                restore(I, W, noisy_I[j], noisy_W[j])
-                status = arrive(I, W, buffer, no_rows, times[k])
+                there_I, there_W = noisy_I[j], noisy_W[j]
+                status = arrive(there_I, there_W, buffer, no_rows, times[k])
                 if status != 0:
                     return status
                 for i in range(q):
-                    W[noisy[i]] = W[noisy[i]] * phi[k, i] + sd[k, i] * drawn[k, j, i]
-                status = pass_instant(I, W, buffer, no_rows)
+                    there_W[noisy[i]] = there_W[noisy[i]] * phi[k, i] + sd[k, i] * drawn[k, j, i]
+                status = pass_instant(there_I, there_W, buffer, no_rows)
                 if status != 0:
                     return status
-                noisy_I[j], noisy_W[j] = I[:kept], W[:saved]
-                read(W, places[1], theirs)
+                read(there_W, places[1], theirs)
                 for p in range(h):
-                    kept_mode[p] = W[hidden[p]]
-            restore(I, W, mean_I[j], mean_W[j])
-            put(I, W, places[0], z[j])
-            status = arrive(I, W, buffer, no_rows, times[k])
+                    kept_mode[p] = there_W[hidden[p]]
+                here_I, here_W = mean_I[j], mean_W[j]
+            else:  # it is run again from where it stands
+                restore(I, W, mean_I[j, :kept], mean_W[j, :saved])
+                here_I, here_W = I, W
+            put(here_I, here_W, places[0], z[j])
+            status = arrive(here_I, here_W, buffer, no_rows, times[k])
             if status != 0:
                 return status
             for i in range(q):
-                W[noisy[i]] *= phi[k, i]
-            status = pass_instant(I, W, buffer, no_rows)
+                here_W[noisy[i]] *= phi[k, i]
+            status = pass_instant(here_I, here_W, buffer, no_rows)
             if status != 0:
                 return status
-            read(W, places[1], ahead[j])
+            read(here_W, places[1], ahead[j])
             if row < 0:
                 stood[k, j] = theirs[first]
                 for p in range(h):
-                    W[hidden[p]] = kept_mode[p]
+                    here_W[hidden[p]] = kept_mode[p]
                 for i in range(n):
                     if own[i]:
                         ahead[j, i] = theirs[i]
                 z[j] = ahead[j]
-                put(I, W, places[0], z[j])
-                mean_I[j], mean_W[j] = I[:kept], W[:saved]
+                put(here_I, here_W, places[0], z[j])
                 continue
             read(W, shown, y)
             back[:n], back[n:], aside[:] = z[j], 0.0, 0.0
@@ -114,13 +115,17 @@ def banked(  # type: ignore[no-untyped-def]
                     aside[p] += gains[row, n + m + p, i] * by
             for p in range(n + q):
                 aside[p] += back[p]
-            status = arrived(I, W, buffer, mean_I[j], mean_W[j], places, noisy, times[k], phi[k], aside[:n], aside[n:])
+            status = arrived(
+                I, W, buffer, mean_I[j, :kept], mean_W[j, :saved], places, noisy, times[k], phi[k], aside[:n], aside[n:]
+            )
             if status != 0:
                 return status
             read(W, places[1], theirs)
             for p in range(h):
                 kept_mode[p] = W[hidden[p]]
-            status = arrived(I, W, buffer, mean_I[j], mean_W[j], places, noisy, times[k], phi[k], back[:n], back[n:])
+            status = arrived(
+                I, W, buffer, mean_I[j, :kept], mean_W[j, :saved], places, noisy, times[k], phi[k], back[:n], back[n:]
+            )
             if status != 0:
                 return status
             read(W, places[1], z[j])
@@ -166,8 +171,8 @@ def banked(  # type: ignore[no-untyped-def]
                 j = p
             came[row, p], stood[k, p] = j, theirs_at[j]
             ahead[p] = z[j]
-            mean_I[p], mean_W[p] = next_I[j], next_W[j]
-            noisy_I[p], noisy_W[p] = next_I[j], next_W[j]
+            mean_I[p, :kept], mean_W[p, :saved] = next_I[j], next_W[j]
+            noisy_I[p, :kept], noisy_W[p, :saved] = next_I[j], next_W[j]
         z[:] = ahead
         for p in range(particles):
             weight[p] = 0.0 if anew else math.log(max(weight[p] * particles, 1e-300))

@@ -103,19 +103,19 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     shown = by_digits(null, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
-    far, possible = alone.unusual or gross(rough), legal(rough, catalogue)
-    found = by_race(null, rough, possible, progress) if far else by_score(rough, possible, progress)
-    values = float(np.isfinite(rough.best.judged).sum())
-    calm = not far and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
+    far = gross(null)
+    found = by_race(null, rough, legal(rough, catalogue), progress) if far else by_score(null, legal(null, catalogue), progress)
+    values = float(np.isfinite(null.best.judged).sum())
+    calm = not alone.unusual and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
     # scores say little of what hides a mode
     chosen = [c for c in found if c.hypothesis.hides] if calm else found
-    fits = fitted(null if far else rough, chosen, far, progress)
+    fits = fitted(null, chosen, far, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, ())
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
-    best = judged(fits[0], [] if gross(rough) else beside, seed)  # far from the log no direction is right
+    best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:

@@ -18,12 +18,7 @@ CALM = 4.0  # standard deviations from which on innovations count less
 
 
 def gross(null: Fit) -> bool:
-    """Return whether the model is so far from the log that its own gains say nothing of anything else.
-
-    So are those of a model whose noise, or a load, wants to be larger than it can be.
-    """
-    if at_bound(null):
-        return True
+    """Return whether the model is so far from the log that its own gains say nothing of anything else."""
     return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
 
 

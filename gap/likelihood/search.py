@@ -24,6 +24,7 @@ LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted
 BAND_NATS, BAND_SHARE = 3.0, 0.25  # that a play has to gain, or of the best gain, before a jump is looked for
 APPROACH = 4  # rounds of a fit with the gains of the model before it
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
+FAINTER = 0.1  # of the best score, that an effect has to have to be fitted
 SLOWER = 0.3  # of the best gain in a race, that an effect has to have to be fitted
 LAG_SHARE = 0.02  # of the best gain, by which a first fit may lag behind as well, where a race was needed
 CLEAN, REACH = 4.5, 0.3  # largest check of such a fit, and the share of its gain that a stem has to have at first
@@ -66,7 +67,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
 def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progress = None) -> list[Fit]:
     """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found."""
     first: list[Fit] = []
-    least = SLOWER * max((c.gain for c in found if c.races), default=0.0) if raced else -math.inf
+    least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
     chosen += [c for c in found[TRIED:] if c.hypothesis.hides]
@@ -92,11 +93,8 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool) -> 
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
             return None  # what no play explains to some part no stem that jumps explains
         return fitted_stem(null, mine, band, _within_reach(null, found))
-    if raced:
-        start = tried(mine, one.values)
-        return None if start is None else settled(Fit(start, (), np.zeros((0, 0)), np.zeros((0, *start.e.shape))), 1)
-    start = _own_filter(null, one)
-    return None if start is None else refined(start, free_names(start.hypothesis), FIRST)
+    start = tried(mine, one.values) if raced else _own_filter(null, one)
+    return None if start is None else settled(Fit(start, (), np.zeros((0, 0)), np.zeros((0, *start.e.shape))), 1)
 
 
 def _within_reach(null: Fit, found: Sequence[Fit]) -> float:
