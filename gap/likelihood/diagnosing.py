@@ -16,8 +16,8 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
-from stickslip.gap.likelihood.scores import gross
 from stickslip.gap.likelihood.search import (
+    LAGGING,
     fitted,
     free_parameters,
     legal,
@@ -103,13 +103,19 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     shown = by_digits(null, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
-    far = gross(null)
-    found = by_race(null, rough, legal(rough, catalogue), progress) if far else by_score(null, legal(null, catalogue), progress)
+    far = null.best.gross
+    found = (
+        by_race(null, rough, legal(rough, catalogue), progress)
+        if far
+        else by_score(null, legal(null, catalogue), progress)
+    )
     values = float(np.isfinite(null.best.judged).sum())
     calm = not alone.unusual and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
     # scores say little of what hides a mode
     chosen = [c for c in found if c.hypothesis.hides] if calm else found
-    fits = fitted(null, chosen, far, progress)
+    # a model that leaves nothing unusual is no worse than a stem of about the right size
+    within = math.inf if alone.unusual else null.nll + LAGGING
+    fits = fitted(null, chosen, far, within, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, ())

@@ -5,7 +5,8 @@
 
 d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, unless 0 is neutral: then the
 size in the middle of that range; else the size in its range.  Slopes in noise come from the filter's own slopes, those
-in tolerances from runs with the filter's gains: neither needs a new filter, as the size of an effect does.
+in tolerances from runs with the filter's gains: neither needs a new filter.  Nor does the size of an effect, unless the
+innovations are large.
 """
 
 import math
@@ -135,7 +136,7 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
             probe = one.noisier(now, changed)
         else:
             # an effect changes gains, which counts as long as innovations are large
-            near = None if name in one.own else now
+            near = None if name in one.own and now.gross else now
             found = tried(one, {**now.values, **changed}, near) or tried(one, {**now.values, **changed})
             if found is None:
                 continue

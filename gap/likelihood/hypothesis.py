@@ -21,6 +21,7 @@ Whole = NDArray[np.int64]
 UNSURE = 0.02  # of its size: what is not known of a state at the start
 LEAST = 1e-3  # size of a state that starts at less
 FAR = 8.0  # standard deviations beyond which an innovation counts in proportion only
+GROSS = 3.0  # mean square of innovations, each at most as far as counts in full, beyond which gains say nothing
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 
@@ -326,6 +327,11 @@ class Innovations:
     def missed(self) -> Floats:
         """Innovations in the units of their signals, (rows, signals)."""
         return np.asarray(self.e * np.sqrt(self.S))
+
+    @cached_property
+    def gross(self) -> bool:
+        """Whether it is so far from the log that its gains say nothing of anything else."""
+        return float(np.nanmean(np.minimum(np.abs(self.judged), FAR) ** 2)) > GROSS
 
     @cached_property
     def judged(self) -> Floats:

@@ -21,10 +21,10 @@ from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import basis, trusted
-from stickslip.gap.likelihood.stems import STEMS
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
+STEMS = 6  # of a bank there: the record and the runs are asked with as few
 ALARM = 0.005  # share of right hypotheses that are called wrong
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact

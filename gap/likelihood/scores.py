@@ -9,17 +9,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import Fit
-from stickslip.gap.likelihood.hypothesis import FAR, Innovations
+from stickslip.gap.likelihood.hypothesis import Innovations
 
 Floats = NDArray[np.float64]
 AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
-GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CALM = 4.0  # standard deviations from which on innovations count less
-
-
-def gross(null: Fit) -> bool:
-    """Return whether the model is so far from the log that its own gains say nothing of anything else."""
-    return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
 
 
 def at_bound(null: Fit) -> bool:

@@ -13,7 +13,7 @@ from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import at_bound
-from stickslip.gap.likelihood.settling import FIRST, free_names, settled
+from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, resting, settled_stem
 
 Floats = NDArray[np.float64]
@@ -64,8 +64,13 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progress = None) -> list[Fit]:
-    """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found."""
+def fitted(
+    null: Fit, found: Sequence[Candidate], raced: bool, within: float = math.inf, progress: Progress = None
+) -> list[Fit]:
+    """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found.
+
+    ``within``: the nll that first sizes of a stem have to come to, or it is not fitted.
+    """
     first: list[Fit] = []
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
@@ -74,7 +79,7 @@ def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progres
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
-            fit = _first_fit(null, one, first, raced)
+            fit = _first_fit(null, one, first, raced, within)
             if fit is not None:
                 first.append(fit)
             tell(k + 1, len(chosen))
@@ -84,7 +89,7 @@ def fitted(null: Fit, found: Sequence[Candidate], raced: bool, progress: Progres
     return sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
 
 
-def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool) -> Fit | None:
+def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, within: float) -> Fit | None:
     """Return the first fit of a candidate; ``found`` those before it."""
     mine = one.hypothesis.of(null.best.hypothesis.frame)  # the same rows for all, or no two compare
     if mine.hides:
@@ -92,7 +97,7 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool) -> 
         most = max((null.nll - f.nll for f in found), default=0.0)
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
             return None  # what no play explains to some part no stem that jumps explains
-        return fitted_stem(null, mine, band, _within_reach(null, found))
+        return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     start = tried(mine, one.values) if raced else _own_filter(null, one)
     return None if start is None else settled(Fit(start, (), np.zeros((0, 0)), np.zeros((0, *start.e.shape))), 1)
 
