@@ -1,7 +1,7 @@
 """A first size of every effect: by its score near the model, by a race of filters far from it.
 
-Near the model each size costs one run with the gains of the model's own filter.  Far from it these gains say nothing,
-so each effect is fitted to a first part of the record.
+Near the model each size costs one run with the gains of the model's own filter, or with gains of its own where an
+effect adds a state.  Far from it these gains say nothing, so each effect is fitted to a first part of the record.
 """
 
 import math
@@ -77,18 +77,20 @@ def _each(
 
 
 def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
-    """Return the size of the highest score with the gains of the model alone; None if none is felt."""
+    """Return the size of the highest score; None if none is felt."""
     best: Candidate | None = None
     least = math.inf
     at = {key: null.best.values[key] for key in one.frame.free}
+    alone = one.adds_to(null.hypothesis) and not one.hides
+    near = None if alone else null.best
     for size in sizes(null, one):
-        found = tried(one, {**at, **size}, null.best)
+        found = tried(one, {**at, **size}, near)
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
         gain, direction = scored
         if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
-            best, least = Candidate(one, found.values, gain, direction), found.nll
+            best, least = Candidate(one, found.values, gain, None if alone else direction), found.nll
     return best
 
 

@@ -220,6 +220,10 @@ class Hypothesis:
         turns[:, len(self.names) :] = near.turns[:, len(theirs) :]
         return turns
 
+    def adds_to(self, other: "Hypothesis") -> bool:
+        """Return whether it has a state that another has not, which the gains of the other would not set right."""
+        return not {*self.names} <= {*other.names}
+
     @cached_property
     def names(self) -> list[str]:
         """Names of the state."""

@@ -134,6 +134,8 @@ def free_parameters(one: Candidate | Innovations) -> int:
 def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
     hypothesis = one.hypothesis
+    if hypothesis.adds_to(null.hypothesis):
+        return tried(hypothesis, one.values)
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
     start = tried(hypothesis, one.values, null.best)
     near = one.values if start is None else refined(start, names, APPROACH, null.best).best.values

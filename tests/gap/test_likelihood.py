@@ -9,7 +9,7 @@ from stickslip.diagram.inputs import close
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.filters.diagnosing import filtering_of
 from stickslip.gap.filters.filtering import Explanation
-from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.frame import Frame, Given
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.records.model import read
@@ -40,7 +40,7 @@ def test_linear_scanned_loops_have_the_likelihood_of_their_exact_filter(model: D
     f = filtering_of(opened, record)
     assert f is not None
     exact = Explanation(f).filtered({}, exact=True)
-    mine = Hypothesis(Frame(f.given, record)).filtered({})
+    mine = Hypothesis(Frame(Given(f.model), record)).filtered({})
     assert np.abs(mine.losses - (exact.losses - (np.isnan(exact.S) & np.isfinite(f.Y)) @ f.sure))[STEADY:].max() < SAME
 
 
