@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.gap.generator import record
-from benchmarks.gap.physics import KARNOPP
+from benchmarks.gap.loop_numbers import KARNOPP
 from benchmarks.gap.unseen_stem import by_tolerances, of_stem, sizes
 from benchmarks.gap.visible import TIE, TRACE, alike_here, told, told_apart, traced, visible
 
