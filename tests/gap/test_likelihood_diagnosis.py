@@ -34,7 +34,7 @@ def test_effects_are_in_the_named_set_with_their_size(
     name: str, place: str, size: dict[str, float], scanned: bool
 ) -> None:
     true = effect(name).insert(tank(scanned), place, **size)
-    report = diagnose(tank(scanned, **STATED), logged(true, 12, duration=2400.0), limits=False)
+    report = diagnose(tank(scanned, **STATED), logged(true, 12, duration=3600.0), limits=False)
     assert report.gap and report.where is not None
     (cause,) = report.causes
     assert name in (cause.effect, *cause.ambiguous_with)
