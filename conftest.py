@@ -1,8 +1,11 @@
 """Where pytest finds the examples in docstrings: in the modules that users import, ``stickslip.blocks.pi``.
 
 Commands, pages and examples fit few loops, and each many times.  A record is fitted once in each process of tests.
+Each process has one thread of linear algebra: those of small matrix products cost more than they save, and the workers
+take all cores already.
 """
 
+import os
 import sys
 import tomllib
 from collections.abc import Generator
@@ -10,6 +13,8 @@ from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is first imported
 
 import pytest
 
