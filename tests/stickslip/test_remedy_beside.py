@@ -2,23 +2,6 @@
 
 import json
 
-import numpy as np
-import pytest
-from stickslip.remedy.example import sticky
-
-
-@pytest.fixture
-def plant(tmp_path):
-    """A sticky loop and a sound one."""
-    folder = tmp_path / "plant"
-    folder.mkdir()
-    for name, S, J in (("FIC1", 5.0, 1.5), ("FIC2", 0.0, 0.0)):
-        record = sticky(hours=1.2, S=S, J=J, seed=3)
-        columns = np.column_stack([record.t, record.sp, record.op, record.pv])
-        head = f"time,{name}.SP,{name}.OP,{name}.PV"
-        np.savetxt(folder / f"{name}.csv", columns, fmt="%.6f", delimiter=",", header=head, comments="")
-    return folder
-
 
 def test_a_scan_ranks_what_stick_costs(call, plant, tmp_path):
     words = ("scan", plant, "--out", tmp_path / "out", "--workers", "1", "--json", "-", "--cost", "5")
