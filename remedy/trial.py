@@ -39,7 +39,8 @@ from stickslip.remedy.process import Loop
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
 Floats = NDArray[np.float64]
-MOST = 4_000  # samples of the load that a trial runs through
+MOST = 10_000  # samples of the load that a trial runs through: a part alone may be quieter than the whole
+STEP = 4_000  # samples behind a step
 SKIPPED = 0.15  # of a run, in which it settles
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
 NOTHING = Setting("as it is", {})
@@ -182,7 +183,7 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     run.
     """
     loops = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]]
-    n = MOST
+    n = STEP
     dt, found = fit.controller.dt, []
     t = np.arange(n) * dt
     loads: list[Floats] = []
