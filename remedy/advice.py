@@ -33,11 +33,6 @@ __all__ = ["Advice", "Tried", "remedies"]
 Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
 SURE = 0.85  # share of the fitted loops, widened, that swing less
-Say = Callable[[str], None]
-
-
-def _quiet(_: str) -> None:
-    return
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +185,7 @@ def _score(one: Outcome, none: Outcome) -> float:
     return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
 
 
-def remedies(fit: LoopFit, progress: Say = _quiet) -> Advice:
+def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> Advice:
     """Return what each remedy would do to a fitted loop, and which to take; ``progress`` hears what is done.
 
     >>> from stickslip.remedy import fit

@@ -16,7 +16,7 @@ process at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,6 @@ from stickslip.remedy.together import PARTS, Pair
 __all__ = ["changes", "lacks"]
 
 Floats = NDArray[np.float64]
-Two = tuple[float, float]  # earlier, later
 ENOUGH = 10.0  # nats
 FROM_FIT = {"disturbance": 20.0, **dict.fromkeys(PARTS, 25.0)}  # a part pays ln(rows)/2 for its value, as tempered nats
 ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
@@ -51,9 +50,9 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     pair = Pair(earlier, later)
     moved = {part: _moved(part, pair) for part in PARTS}
     gains = {part: pair.gain(part) for part in PARTS}
-    sizes = {part: _two(_value(part, one) for one in pair.own[part].loops) for part in PARTS}
+    sizes = {part: [_value(part, one) for one in pair.own[part].loops] for part in PARTS}
     if earlier.sticks != later.sticks:  # one that rests all along may be as likely as one that is gone
-        sizes["stiction"] = _two(fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later))
+        sizes["stiction"] = [fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later)]
         moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
         gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
@@ -91,7 +90,7 @@ def lacks(found: LoopFit) -> Changes:
 
 
 def _change(
-    effect: str, sizes: Two, by: float, nats: float, unit: str, may: bool = True,
+    effect: str, sizes: Sequence[float], by: float, nats: float, unit: str, may: bool = True,
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
@@ -106,11 +105,6 @@ def _change(
     changed = may and nats >= enough and abs(by) > counts
     earlier, later = (Size(x, None, None) for x in sizes)
     return Change(effect, earlier, later, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
-
-
-def _two(values: Iterable[float]) -> Two:
-    before, after = values
-    return before, after
 
 
 def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
@@ -145,7 +139,7 @@ def _controller(effect: str, earlier: LoopFit, later: LoopFit, unit: str) -> Cha
         sizes.append(value)
         variance += ((high - low) / (2.0 * Z90) / value) ** 2
     by = math.log(sizes[1] / sizes[0])
-    return _change(effect, _two(sizes), by, 0.5 * by**2 / variance, unit)
+    return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
 def _blocks(one: Floats) -> list[Floats]:
@@ -167,17 +161,12 @@ def _slow(lefts: Sequence[Sequence[Floats]], between: int, noises: Sequence[floa
     """
     found = []
     for own, noise in zip(lefts, noises, strict=True):
-        ways = [_ways(one, between, roots) for one in own]
+        ways: Sequence[Floats] = own
+        for _ in range(roots):
+            ways = [one[between:] - one[:-between] for one in ways]
         moved = [float(np.mean(block**2)) for one in ways for block in _blocks(one)]
         found.append(np.maximum(np.array(moved) - math.comb(2 * roots, roots) * noise, 0.1 * max(noises)))
     return found
-
-
-def _ways(one: Floats, between: int, roots: int) -> Floats:
-    """How far it goes between two turns of OP, or by how much that differs."""
-    for _ in range(roots):
-        one = one[between:] - one[:-between]
-    return one
 
 
 def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0.0) -> Change:
@@ -190,7 +179,7 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
     means = [float(one.mean()) for one in logs]
     by = means[1] - means[0]
     by = 0.0 if by * (by - beside) <= 0.0 else min(by, by - beside, key=abs)
-    return _change(effect, _two(math.exp(mean) for mean in means), by, 0.5 * by**2 / variance, unit)
+    return _change(effect, [math.exp(mean) for mean in means], by, 0.5 * by**2 / variance, unit)
 
 
 def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:

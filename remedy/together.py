@@ -22,15 +22,14 @@ from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import LITTLE, TEMPER
-from stickslip.remedy.process import Found, Loop, beside, predicted
+from stickslip.remedy.process import Loop, beside, predicted
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
 
 Floats = NDArray[np.float64]
 PARTS = {"stiction": (3, 4), "process_gain": (-1,), "process_time_constant": (0,), "dead_time": (1,)}  # what differs
-FACTORS = (0.4, 0.6, 0.8, 1.25, 1.7, 2.5)  # of a part; of a dead time, of all that is late beside the main lag
-GONE = 0.01  # of a stick, in place of none
+FACTORS, GONE = (0.4, 0.6, 0.8, 1.25, 1.7, 2.5), 0.01  # of a part; of a dead time, of all that is late; of no stick
 FAR = 1.6  # logarithm of a ratio of gains or lags, beyond which nobody believes it
 STARTS, TRIES = 6, 70  # loops beside which a part is tried, and tries of the simplex
 STEP = 0.4  # of what differs
@@ -39,20 +38,15 @@ DRAWS = range(1, 9)  # of random numbers
 
 @dataclass(frozen=True, eq=False)
 class Together:
-    """The loops of the earlier and the later time, their noises, and the cost [nats]."""
+    """Values x of the known loop, what differs from them at the other time, both loops and noises, and the cost [nats].
 
-    loops: tuple[Loop, Loop]
-    noises: tuple[tuple[Left, ...], tuple[Left, ...]]
-    cost: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Tried:
-    """Values x of a loop, what differs from them at the other time, the loop and noise there, and the cost."""
+    Loops and noises of the known time are first while they are sought, and those of the earlier time at last.
+    """
 
     x: Floats
     differs: Floats
-    there: Found
+    loops: tuple[Loop, ...]
+    noises: tuple[tuple[Left, ...], ...]
     cost: float
 
 
@@ -69,18 +63,17 @@ class Pair:
     """
 
     def __init__(self, earlier: LoopFit, later: LoopFit) -> None:
-        self._fits = (earlier, later)
-        self._later_is_known = later.sticks and not earlier.sticks
-        self._known, self._other = (later, earlier) if self._later_is_known else (earlier, later)
-        days = (*earlier.days, *later.days)
+        self._fits, days = (earlier, later), (*earlier.days, *later.days)
+        self._known, self._other = (later, earlier) if later.sticks and not earlier.sticks else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
         self.between = max(1, round(self._time / self.scan))
         at = np.array([self._values(one) for one in self._known.loops])
         little = np.array([*LITTLE[: at.shape[1] - 1], LITTLE[3]])
         self._middle, self._sure = np.median(at, axis=0), np.linalg.inv(np.cov(at.T) + np.diag(little**2))
         self._steps = np.sqrt(np.var(at, axis=0) + little**2)
-        kept = [i for i in (0, 5) if i == 5 or self._known.best.integrating]  # an integrator has no tau
-        self._moved = [i for i in range(at.shape[1]) if i not in kept]
+        self._moved = [
+            i for i in range(self._known.best.integrating, at.shape[1]) if i != 5
+        ]  # an integrator has no tau
         still = np.zeros(at.shape[1])
         shared = self._likeliest((), [(x, still) for x in (self._middle, *at)])
         own = {}
@@ -88,7 +81,7 @@ class Pair:
             free = self._free(part)
             starts = [(x, off) for x in (shared.x, *at[:STARTS]) for off in self._offs(free, x)]
             own[part] = self._likeliest(free, [(shared.x, still), *starts])
-        again = [self._tried(one.x, still, one.there.noises) for one in own.values()]
+        again = [self._tried(one.x, still, one.noises[1]) for one in own.values()]
         self.shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
         self.own = {part: self._weighed(one) for part, one in own.items()}
 
@@ -136,16 +129,16 @@ class Pair:
             off[free[0]] = max((factor - 1.0) * late, -x[free[0]]) if free[0] in (1, 2) else math.log(factor)
             yield off
 
-    def _tried(self, x: Floats, differs: Floats, noises: Sequence[Left], draw: int = 0) -> _Tried:
+    def _tried(self, x: Floats, differs: Floats, noises: Sequence[Left], draw: int = 0) -> Together:
         """What it costs that the known time has the loop x, and the other one x + ``differs``."""
-        one, far = self._loop(x + differs), max(abs(differs[0]), abs(differs[-1])) > FAR
-        if one is None or far or self._loop(x) is None:
-            return _Tried(x, differs, Found(self._known.best, tuple(noises), WORSE), WORSE)
-        there = beside(self._other.days, one, noises, draw)
-        off = x - self._middle
-        return _Tried(x, differs, there, 0.5 * TEMPER * float(off @ self._sure @ off) + there.nll)
+        here, there, own = self._loop(x), self._loop(x + differs), self._known.found.noises
+        if here is None or there is None or max(abs(differs[0]), abs(differs[-1])) > FAR:
+            return Together(x, differs, (self._known.best,) * 2, (own, tuple(noises)), WORSE)
+        found, off = beside(self._other.days, there, noises, draw), x - self._middle
+        cost = 0.5 * TEMPER * float(off @ self._sure @ off) + found.nll
+        return Together(x, differs, (here, there), (own, found.noises), cost)
 
-    def _likeliest(self, free: Sequence[int], starts: Sequence[tuple[Floats, Floats]]) -> _Tried:
+    def _likeliest(self, free: Sequence[int], starts: Sequence[tuple[Floats, Floats]]) -> Together:
         """The likeliest values of the known time, and of what is ``free`` at the other one, from the best start."""
         noises, moved, free = self._other.without.noises, self._moved, list(free)
         best = min((self._tried(*start, noises) for start in starts), key=lambda one: one.cost)
@@ -155,7 +148,7 @@ class Pair:
             nonlocal best
             x, differs = best.x.copy(), np.zeros(len(best.x))
             x[moved], differs[free] = own[: len(moved)], own[len(moved) :]
-            tried = self._tried(x, differs, best.there.noises)
+            tried = self._tried(x, differs, best.noises[1])
             best = min(best, tried, key=lambda one: one.cost)
             return tried.cost
 
@@ -165,12 +158,9 @@ class Pair:
         )
         return best
 
-    def _weighed(self, one: _Tried) -> Together:
-        """The loops of both times, by the mean of likelihoods over draws that did not serve to find them."""
-        loops = (self._loop(one.x) or self._known.best, one.there.loop)
-        noises = (self._known.found.noises, one.there.noises)
-        costs = [self._tried(one.x, one.differs, one.there.noises, draw).cost for draw in DRAWS]
+    def _weighed(self, one: Together) -> Together:
+        """The same by the mean of likelihoods over draws that did not serve to find it, the earlier time first."""
+        costs = [self._tried(one.x, one.differs, one.noises[1], draw).cost for draw in DRAWS]
         cost = math.log(len(DRAWS)) - float(np.logaddexp.reduce([-each for each in costs]))
-        if self._later_is_known:
-            return Together((loops[1], loops[0]), (noises[1], noises[0]), cost)
-        return Together((loops[0], loops[1]), (noises[0], noises[1]), cost)
+        way = -1 if self._known is self._fits[1] else 1
+        return replace(one, loops=one.loops[::way], noises=one.noises[::way], cost=cost)

@@ -39,8 +39,7 @@ from stickslip.remedy.process import Loop
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
 Floats = NDArray[np.float64]
-MOST = 10_000  # samples of the load that a trial runs through: a part alone may be quieter than the whole
-STEP = 4_000  # samples behind a step
+MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
 NOTHING = Setting("as it is", {})
