@@ -54,7 +54,7 @@ def passed(  # type: ignore[no-untyped-def]
     way, moves, limit, stray = np.zeros(M), np.zeros(M), np.empty(M), np.zeros(M)
     off, unsure, born = np.zeros(M), np.full(M, (r * f_s) ** 2), np.zeros(M, dtype=np.int64)
     g = np.empty(M)
-    w, e, total, kept = np.full(M, 1.0 / M), np.empty(M), np.zeros(M), np.empty(M)
+    w, e, total, kept, away = np.full(M, 1.0 / M), np.empty(M), np.zeros(M), np.empty(M), np.empty(M)
     heirs, places = np.empty(M, dtype=np.int64), np.empty(M, dtype=np.int64)
     for i in range(M):
         x[i] = u[0] + f_s * (2.0 * (i + 0.5) / M - 1.0) if S > 0.0 else u[0]
@@ -145,14 +145,15 @@ def passed(  # type: ignore[no-untyped-def]
             e[i] -= g[i] * off[i]
             taken = g[i] * unsure[i]
             spread = s * s + g[i] * taken
-            far = e[i] * e[i] / spread
-            best = min(best, far)
+            far = away[i] = e[i] * e[i] / spread
             likely = 1.0 / (1.0 + far / NU)
             kept[i] = w[i] * likely * likely * likely * s / math.sqrt(spread) + 1e-300
-            mixed += kept[i]
             takes_in = taken / (spread + s * s * max(0.0, far - 1.0) / (NU + 1.0))  # what is far off tells less
             off[i] += takes_in * e[i]
             unsure[i] *= 1.0 - takes_in * g[i]
+        for i in range(M):  # apart, for the processor takes several stems at once above
+            mixed += kept[i]
+            best = min(best, away[i])
         found += math.log(mixed) + NORMAL - math.log(s)
         if S <= 0.0:
             continue

@@ -1,11 +1,11 @@
 """What has changed between two times of one loop: of each change, the nats of a likelihood ratio.
 
-    valve, process      what it gains that this part alone may differ (``together``)
+    valve, process      what it gains that this part alone differs from the loops of the other time (``together``)
     stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
     controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i as read, over its standard deviation
     noise, load, level  z^2 / 2,   the same of a spread, or a difference; blocks of the record tell its deviation
-    named               where the ratio is beyond what counts: from ``ENOUGH`` nats; the load, and of valve and process
-                        the best one alone, from ``FITTED`` nats
+    named               where the ratio is beyond what counts: from ``ENOUGH`` nats, or as many as ``FROM_FIT`` says;
+                        of valve and process the best one alone
 
 What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
 load makes another fit.  Noise, load and level are those that the likeliest loops leave, changed or not.
@@ -16,7 +16,7 @@ process at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +29,9 @@ from stickslip.remedy.together import PARTS, Pair
 __all__ = ["changes", "lacks"]
 
 Floats = NDArray[np.float64]
-Two = tuple[float, float]  # earlier, later
-ENOUGH, FITTED = 10.0, 20.0  # nats
-FROM_FIT = (*PARTS, "disturbance")  # as well as the fit is
-ALIKE = 4.0  # nats by which a part may be behind the best one, to be named beside it
-FAR = {"process_gain": 1.6, "process_time_constant": 1.6}  # logarithms of ratios beyond which nobody believes it
+ENOUGH = 10.0  # nats
+FROM_FIT = {"disturbance": 20.0, **dict.fromkeys(PARTS, 25.0)}  # a part pays ln(rows)/2 for its value, as tempered nats
+ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
 BLOCKS = 12  # of the records of a time
 BEYOND = 99.0  # the logarithm of a ratio to nothing
 Z90 = 1.645
@@ -51,14 +49,12 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     pv, op, notes = later.pv_unit or "PV", later.op_unit, []
     pair = Pair(earlier, later)
     moved = {part: _moved(part, pair) for part in PARTS}
-    gains = {part: pair.gain(part) if abs(moved[part]) < FAR.get(part, 1e9) else 0.0 for part in PARTS}
-    sizes = {part: _two(_value(part, one) for one in pair.own[part].loops) for part in PARTS}
-    sizes["stiction"] = _two(S if pair.smallest < S else 0.0 for S in sizes["stiction"])
-    once = _stick_at_one_time(earlier, later)
-    if once > gains["stiction"]:
-        gains["stiction"] = once
-        sizes["stiction"] = _two(fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later))
+    gains = {part: pair.gain(part) for part in PARTS}
+    sizes = {part: [_value(part, one) for one in pair.own[part].loops] for part in PARTS}
+    if earlier.sticks != later.sticks:  # one that rests all along may be as likely as one that is gone
+        sizes["stiction"] = [fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later)]
         moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
+        gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
     alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
@@ -68,12 +64,13 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     found += [_controller(effect, earlier, later, unit) for effect, unit in (
         ("controller_gain", f"{op} per {pv}"), ("controller_integral_time", "s")
     )]  # fmt: skip
-    likeliest = pair.own[best] if gains[best] >= FITTED else pair.shared
+    likeliest = pair.own[best] if gains[best] >= FROM_FIT[best] else pair.shared
     lefts, (before, after) = pair.lefts(likeliest), (abs(one.K) + 1e-300 for one in likeliest.loops)
-    gained, fine = math.log(after / before), [_fine(own) for own in lefts]
+    loads = pair.lefts(likeliest, own=True)
+    gained, fine, roots = math.log(after / before), [_fine(own) for own in loads], 1 + likeliest.loops[0].integrating
     found += [
         _spread("sensor_noise", fine, pv),
-        _spread("disturbance", _slow(lefts, pair.between, [float(np.mean(one)) for one in fine]), pv, gained),
+        _spread("disturbance", _slow(loads, pair.between, [float(np.mean(one)) for one in fine], roots), pv, gained),
     ]
     if likeliest.loops[0].integrating:
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
@@ -93,11 +90,11 @@ def lacks(found: LoopFit) -> Changes:
 
 
 def _change(
-    effect: str, sizes: Two, by: float, nats: float, unit: str, may: bool = True,
+    effect: str, sizes: Sequence[float], by: float, nats: float, unit: str, may: bool = True,
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
-    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FITTED if effect in FROM_FIT else ENOUGH
+    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FROM_FIT.get(effect, ENOUGH)
     sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
     probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
@@ -110,15 +107,8 @@ def _change(
     return Change(effect, earlier, later, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
 
 
-def _two(values: Iterable[float]) -> Two:
-    before, after = values
-    return before, after
-
-
 def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
     """How surely one time has a stick that the other one has not [nats]."""
-    if earlier.sticks == later.sticks:
-        return 0.0
     sticky, free = (earlier, later) if earlier.sticks else (later, earlier)
     return min(sticky.gain, free.against(float(np.percentile(sticky.each("S"), 5.0))))
 
@@ -149,7 +139,7 @@ def _controller(effect: str, earlier: LoopFit, later: LoopFit, unit: str) -> Cha
         sizes.append(value)
         variance += ((high - low) / (2.0 * Z90) / value) ** 2
     by = math.log(sizes[1] / sizes[0])
-    return _change(effect, _two(sizes), by, 0.5 * by**2 / variance, unit)
+    return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
 def _blocks(one: Floats) -> list[Floats]:
@@ -163,15 +153,19 @@ def _fine(lefts: Sequence[Floats]) -> Floats:
     )  # fmt: skip
 
 
-def _slow(lefts: Sequence[Sequence[Floats]], between: int, noises: Sequence[float]) -> list[Floats]:
+def _slow(lefts: Sequence[Sequence[Floats]], between: int, noises: Sequence[float], roots: int = 1) -> list[Floats]:
     """Mean squares (blocks,) of how far each time goes between two turns of OP, without the share of its noise.
 
-    What is small beside the larger noise of both times is not known, and taken for the same.
+    What is small beside the larger noise of both times is not known, and taken for the same.  Behind an integrator, of
+    two ``roots``, a load that stays goes on and on: what counts there is by how much a way differs from the one before.
     """
     found = []
     for own, noise in zip(lefts, noises, strict=True):
-        moved = [float(np.mean(block**2)) for one in own for block in _blocks(one[between:] - one[:-between])]
-        found.append(np.maximum(np.array(moved) - 2.0 * noise, 0.1 * max(noises)))
+        ways: Sequence[Floats] = own
+        for _ in range(roots):
+            ways = [one[between:] - one[:-between] for one in ways]
+        moved = [float(np.mean(block**2)) for one in ways for block in _blocks(one)]
+        found.append(np.maximum(np.array(moved) - math.comb(2 * roots, roots) * noise, 0.1 * max(noises)))
     return found
 
 
@@ -185,7 +179,7 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
     means = [float(one.mean()) for one in logs]
     by = means[1] - means[0]
     by = 0.0 if by * (by - beside) <= 0.0 else min(by, by - beside, key=abs)
-    return _change(effect, _two(math.exp(mean) for mean in means), by, 0.5 * by**2 / variance, unit)
+    return _change(effect, [math.exp(mean) for mean in means], by, 0.5 * by**2 / variance, unit)
 
 
 def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:

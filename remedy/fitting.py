@@ -29,18 +29,15 @@ __all__ = ["FitError", "fit"]
 
 GAIN, SURE = 10.0, 20.0  # nats
 FEWEST = 200  # samples
-Say = Callable[[str], None]
 
 
 class FitError(ValueError):
     """A record to which no loop can be fitted; the message says why, and what would help."""
 
 
-def _quiet(_: str) -> None:
-    return
-
-
-def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed: int = 0) -> LoopFit:
+def fit(
+    records: LoopRecord | Sequence[LoopRecord], progress: Callable[[str], None] = lambda _: None, seed: int = 0
+) -> LoopFit:
     """Return the loop fitted to a record, or to several of one loop, which are pooled.
 
     ``progress`` hears what is done; ``seed`` of the ensemble.  Raises ``FitError`` where the record is too

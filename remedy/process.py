@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
 
-__all__ = ["Day", "Found", "Loop", "Predicted", "day_of", "predicted", "profiled", "settled", "start_noise"]
+__all__ = ["Day", "Found", "Loop", "Predicted", "beside", "day_of", "predicted", "profiled", "settled", "start_noise"]
 
 Floats = NDArray[np.float64]
 FINE = 25.0  # rows between two turns of OP: within a coarse row the controller answers, and the gain comes out wrong
@@ -155,15 +155,31 @@ def predicted(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int 
     return Predicted(nll, tuple(shown))
 
 
-def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int = 3) -> tuple[Loop, list[Left], float]:
-    """The loop with the gain that the answers ask for, its noise, and the standard deviation of K.
+_Answer = tuple[Floats, tuple[float, float]]
+
+
+def _answers(days: Sequence[Day], shown: Sequence[Floats]) -> list[_Answer]:
+    """The rows of each day's answer without their line, and that line."""
+    return [free_of_line(own[1].reshape(-1, day.q).mean(axis=1)) for own, day in zip(shown, days, strict=True)]
+
+
+def _noises(days: Sequence[Day], answers: Sequence[_Answer], K: float) -> tuple[Left, ...]:
+    """What is left of each day behind the gain K."""
+    noises = []
+    for (x, (c, d)), day in zip(answers, days, strict=True):
+        v, line = day.free[0] - K * x, (day.free[1][0] - K * c, day.free[1][1] - K * d)
+        noises.append(left_of(v, line, past(v), SHARE))
+    return tuple(noises)
+
+
+def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int = 3) -> tuple[Loop, tuple[Left, ...]]:
+    """The loop with the gain that the answers ask for, and its noise.
 
     K keeps its sign: an answer the wrong way round is the controller's, not the process's.
     """
-    answers = [free_of_line(own[1].reshape(-1, day.q).mean(axis=1)) for own, day in zip(shown, days, strict=True)]
+    answers = _answers(days, shown)
     pasts = [day.memories[one.integrating] for day in days]
-    way, K, K_sd = math.copysign(1.0, one.K), one.K, math.inf
-    noises: list[Left] = []
+    way, K, noises = math.copysign(1.0, one.K), one.K, tuple[Left, ...]()
     for _ in range(rounds):
         top, bottom = 0.0, 1e-300
         for (x, _), day, a in zip(answers, days, pasts, strict=True):
@@ -173,19 +189,22 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int
             weight = 1.0 / (size(yw - K * xw) + 1e-300)
             top += weight * float(xw @ yw)
             bottom += weight * float(xw @ xw)
-        K, K_sd = way * max(way * top / bottom, 0.0), 1.0 / math.sqrt(bottom)
-        noises = []
-        for (x, (c, d)), day in zip(answers, days, strict=True):
-            v, line = day.free[0] - K * x, (day.free[1][0] - K * c, day.free[1][1] - K * d)
-            noises.append(left_of(v, line, past(v), SHARE))
+        K = way * max(way * top / bottom, 0.0)
+        noises = _noises(days, answers, K)
         pasts = [noise.a for noise in noises]
-    return replace(one, K=K), noises, K_sd
+    return replace(one, K=K), noises
 
 
 def profiled(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Found:
     """The loop with the gain and the noise that its likely path asks for; ``draw`` of the bank's random numbers."""
-    found, after, _ = settled(days, one, predicted(days, one, noises, draw).shown)
-    return Found(found, tuple(after), predicted(days, found, after, draw).nll)
+    found, after = settled(days, one, predicted(days, one, noises, draw).shown)
+    return Found(found, after, predicted(days, found, after, draw).nll)
+
+
+def beside(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Found:
+    """The loop as it is, with the noise that its likely path leaves; ``draw`` of the bank's random numbers."""
+    after = _noises(days, _answers(days, predicted(days, one, noises, draw).shown), one.K)
+    return Found(one, after, predicted(days, one, after, draw).nll)
 
 
 def start_noise(days: Sequence[Day], integrating: bool = False) -> list[Left]:

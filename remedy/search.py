@@ -37,9 +37,9 @@ def _weighed(days: Sequence[Day], one: Loop, noises: Sequence[Left], rounds: int
     """The loop with the gain and the noise that go with it."""
     said, best = predicted(days, one, noises), Found(one, tuple(noises), WORSE)
     for _ in range(rounds):
-        one, noises, _ = settled(days, one, said.shown)
+        one, noises = settled(days, one, said.shown)
         said = predicted(days, one, noises)
-        best = min(best, Found(one, tuple(noises), said.nll), key=lambda found: found.nll)
+        best = min(best, Found(one, noises, said.nll), key=lambda found: found.nll)
     return best
 
 
@@ -110,8 +110,8 @@ def _followed(
 
     A path that is free to slip anywhere asks for a wider r still, where the noise is large.
     """
-    one, left, _ = settled(days, one, shown)
-    return banded(days, one, shown, LEAST, max(narrower * one.r, LEAST)), tuple(left)
+    one, left = settled(days, one, shown)
+    return banded(days, one, shown, LEAST, max(narrower * one.r, LEAST)), left
 
 
 def _apart(tried: Sequence[Found]) -> list[Found]:

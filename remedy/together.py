@@ -1,15 +1,19 @@
-"""Two times of one loop predicted together: valve and process are shared but for one part, and what that part gains.
+"""The loops of one time on the log of the other: how likely that log is, and what one part that differs gains.
 
-    gain(part) = nll(all shared) - nll(all shared but the part)                    [nats]
+    cost = T (x - m)' C^-1 (x - m) / 2 + nll(other log; x, or x and what differs),   x ~ N(m, C): the fitted loops
+    gain(part) = least cost where nothing differs - least cost where the part does        [nats]
 
-Load and noise are each time's own.  Starts are the loops of both fits, each with that part of the other fit's middle
-loop on the other side; the best is made better by the simplex of Nelder and Mead.  A bank's likelihood varies with its
-random numbers: what is found is weighed with ``DRAWS`` others, and the mean counts.
+T is the temperature of the population, so that the loops of one time weigh as much as the log of the other.  The loops
+are those of the time that shows a stick, which say more of the loop; where both do, of the earlier one.  Load and
+noise are each time's own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
+made better by the simplex of Nelder and Mead.  r stays: a stem that may slip anywhere has any S.
+A bank's likelihood varies with its random numbers.  It has no bias, its logarithm has: the mean of others counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,35 +21,39 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
-from stickslip.remedy.process import Loop, predicted, settled
+from stickslip.remedy.population import LITTLE, TEMPER
+from stickslip.remedy.process import Loop, beside, predicted
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
 
 Floats = NDArray[np.float64]
-Noises = tuple[tuple[Left, ...], tuple[Left, ...]]
-GAIN = "process_gain"  # is no coordinate: it follows by least squares
-PARTS = {"stiction": (3, 4), GAIN: (), "process_time_constant": (0, 2), "dead_time": (1,)}  # coordinates that differ
-STARTS = 6  # loops of each fit
-TRIES, MORE = 110, 60  # of the simplex: all shared, and from there with a part of its own
-FREE = 1e-3  # of OP's spread: S of a stem that does not stick
-STEPS = (0.3, 0.4, 0.3, 0.08, 0.12, 0.4)  # of the simplex, and of what differs
-DRAWS = 8  # of random numbers
+PARTS = {"stiction": (3, 4), "process_gain": (-1,), "process_time_constant": (0,), "dead_time": (1,)}  # what differs
+FACTORS, GONE = (0.4, 0.6, 0.8, 1.25, 1.7, 2.5), 0.01  # of a part; of a dead time, of all that is late; of no stick
+FAR = 1.6  # logarithm of a ratio of gains or lags, beyond which nobody believes it
+STARTS, TRIES = 6, 70  # loops beside which a part is tried, and tries of the simplex
+STEP = 0.4  # of what differs
+DRAWS = range(1, 9)  # of random numbers
 
 
 @dataclass(frozen=True, eq=False)
 class Together:
-    """The loops and noises of the earlier and the later time, and their negative log-likelihood [nats]."""
+    """Values x of the known loop, what differs from them at the other time, both loops and noises, and the cost [nats].
 
-    loops: tuple[Loop, Loop]
-    noises: Noises
-    nll: float
+    Loops and noises of the known time are first while they are sought, and those of the earlier time at last.
+    """
+
+    x: Floats
+    differs: Floats
+    loops: tuple[Loop, ...]
+    noises: tuple[tuple[Left, ...], ...]
+    cost: float
 
 
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    scan : [s];  between : samples between two turns of OP;  smallest : S [unit of OP], below which a stem is free
+    scan : [s];  between : samples between two turns of OP
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
@@ -55,112 +63,104 @@ class Pair:
     """
 
     def __init__(self, earlier: LoopFit, later: LoopFit) -> None:
-        fits = (earlier, later)
-        self._sides = (earlier.days, later.days)
-        days = (*earlier.days, *later.days)
+        self._fits, days = (earlier, later), (*earlier.days, *later.days)
+        self._known, self._other = (later, earlier) if later.sticks and not earlier.sticks else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
         self.between = max(1, round(self._time / self.scan))
-        small = FREE * max(float(np.std(day.op)) for day in days)
-        self.smallest = 30.0 * small
-        self._middles = [_sticking(fit.best, small) for fit in fits]
-        picked = [[fit.loops[int(i)] for i in np.linspace(0, len(fit.loops) - 1, STARTS)] for fit in fits]
-        self._starts = [(side, _sticking(one, small)) for side in (0, 1) for one in picked[side]]
-        noises: Noises = (earlier.found.noises, later.found.noises)
-        begun = _best(self._predicted((one, one), noises) for _, one in self._starts)
-        begun = self._better(begun)
-        own = {part: self._better(self._begun(part, begun), part) for part in PARTS}
-        likely = _best(own.values())
-        again = self._better(_best(self._predicted((one, one), likely.noises) for one in likely.loops))
-        alike = [replace(each, loops=(one, one)) for each in own.values() for one in each.loops]
-        self.shared = _best(self._weighed(one) for one in (begun, again, *alike))  # the likeliest may be so by luck
-        self.own = {part: self._weighed(one, part) for part, one in own.items()}
+        at = np.array([self._values(one) for one in self._known.loops])
+        little = np.array([*LITTLE[: at.shape[1] - 1], LITTLE[3]])
+        self._middle, self._sure = np.median(at, axis=0), np.linalg.inv(np.cov(at.T) + np.diag(little**2))
+        self._steps = np.sqrt(np.var(at, axis=0) + little**2)
+        self._moved = [
+            i for i in range(self._known.best.integrating, at.shape[1]) if i != 5
+        ]  # an integrator has no tau
+        still = np.zeros(at.shape[1])
+        shared = self._likeliest((), [(x, still) for x in (self._middle, *at)])
+        own = {}
+        for part in PARTS:
+            free = self._free(part)
+            starts = [(x, off) for x in (shared.x, *at[:STARTS]) for off in self._offs(free, x)]
+            own[part] = self._likeliest(free, [(shared.x, still), *starts])
+        again = [self._tried(one.x, still, one.noises[1]) for one in own.values()]
+        self.shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
+        self.own = {part: self._weighed(one) for part, one in own.items()}
 
     def gain(self, part: str) -> float:
         """What it gains to let a part differ [nats]."""
-        return self.shared.nll - self.own[part].nll
+        return self.shared.cost - self.own[part].cost
 
-    def lefts(self, one: Together) -> list[list[Floats]]:
-        """What the loops leave of PV in each record of each time, beside the flow of the valve at the mean OP."""
-        middle = float(np.mean([day.op.mean() for days in self._sides for day in days]))
-        return [
-            [
-                day.pv[: own.shape[1]] - loop.K * (own[1] + (0.0 if loop.integrating else day.op[0] - middle))
-                for day, own in zip(days, predicted(days, loop, noise).shown, strict=True)
-            ]
-            for days, loop, noise in zip(self._sides, one.loops, one.noises, strict=True)
-        ]
+    def lefts(self, one: Together, own: bool = False) -> list[list[Floats]]:
+        """What the loops leave of PV in each record of each time, beside the flow of the valve at the mean OP.
 
-    def _begun(self, part: str, shared: Together) -> Together:
-        """The likeliest start of loops of which a part differs."""
-        free = list(PARTS[part])
-        tried = [shared]
-        for side, one in self._starts:
-            other = self._middles[1 - side]
-            if other.integrating != one.integrating:
-                continue
-            at = coordinates(one, self._time)
-            at[free] = coordinates(other, self._time)[free]
-            mixed = at_coordinates(one, at, self._time, self.scan)
-            if mixed is not None:
-                tried.append(self._predicted((mixed, one) if side else (one, mixed), shared.noises, part))
-        return _best(tried)
+        ``own``: the known time's by its own likeliest loop, which leaves least of what is not there.
+        """
+        middle = float(np.mean([day.op.mean() for fit in self._fits for day in fit.days]))
+        found = []
+        for fit, loop, noise in zip(self._fits, one.loops, one.noises, strict=True):
+            loop = fit.found.loop if own and fit is self._known else loop
+            found.append([
+                day.pv[: path.shape[1]] - loop.K * (path[1] + (0.0 if loop.integrating else day.op[0] - middle))
+                for day, path in zip(fit.days, predicted(fit.days, loop, noise).shown, strict=True)
+            ])  # fmt: skip
+        return found
 
-    def _predicted(self, loops: tuple[Loop, Loop], noises: Noises, part: str = "", draw: int = 0) -> Together:
-        """Both times with these loops; gain and noise follow."""
-        both = list(zip(self._sides, loops, noises, strict=True))
-        shown = [predicted(days, one, noise, draw).shown for days, one, noise in both]
-        if part == GAIN:
-            done = [settled(days, one, own)[:2] for (days, one, _), own in zip(both, shown, strict=True)]
-        else:
-            one, left, _ = settled((*self._sides[0], *self._sides[1]), loops[0], (*shown[0], *shown[1]))
-            first = len(self._sides[0])
-            done = [(one, left[:first]), (replace(loops[1], K=one.K), left[first:])]
-        nll = sum(predicted(days, *own, draw).nll for days, own in zip(self._sides, done, strict=True))
-        return Together((done[0][0], done[1][0]), (tuple(done[0][1]), tuple(done[1][1])), nll)
+    def _values(self, one: Loop) -> Floats:
+        """All that a loop may differ in: its coordinates and the logarithm of its gain."""
+        return np.array([*coordinates(one, self._time), math.log(abs(one.K) + 1e-300)])
 
-    def _better(self, start: Together, part: str = "") -> Together:
-        """The likeliest loops near a start; the later one differs by as many coordinates as the part has."""
-        free, best = list(PARTS.get(part, ())), start
-        first, second = (coordinates(one, self._time) for one in start.loops)
-        moved = list(range(1 if start.loops[0].integrating else 0, len(first)))  # tau means nothing in an integrator
-        free = [i for i in free if i in moved]
-        steps = np.array([*(STEPS[i] for i in moved), *(STEPS[i] for i in free)])
-        if start.loops[0].J > 0.5 * start.loops[0].S:
-            steps[moved.index(4)] *= -1.0
+    def _loop(self, x: Floats) -> Loop | None:
+        """The loop of these values; None where there is none."""
+        best = self._known.best
+        one = at_coordinates(best, x[:-1], self._time, self.scan) if abs(x[-1]) < 200.0 else None
+        return one and replace(one, K=math.copysign(math.exp(float(x[-1])), best.K))
 
-        def loss(own: Floats) -> float:
-            nonlocal best
-            at, late = first.copy(), np.zeros(len(first))
-            at[moved], late[free] = own[: len(moved)], own[len(moved) :]
-            pair = [
-                at_coordinates(one, where, self._time, self.scan)
-                for one, where in zip(best.loops, (at, at + late), strict=True)
-            ]
-            if pair[0] is None or pair[1] is None:
-                return WORSE
-            found = self._predicted((pair[0], pair[1]), best.noises, part)
-            best = _best((best, found))
-            return found.nll
-
-        at = np.array([*first[moved], *(second - first)[free]])
-        simplex, most = np.vstack([at, at + np.diag(steps)]), MORE if part else TRIES
-        minimize(loss, at, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": most, "xatol": 1e-4})
-        return best
-
-    def _weighed(self, one: Together, part: str = "") -> Together:
-        """The same loops, by the mean of their likelihood over draws that did not serve to find them."""
-        return replace(
-            one,
-            nll=float(
-                np.mean([self._predicted(one.loops, one.noises, part, draw).nll for draw in range(1, DRAWS + 1)])
-            ),
+    def _free(self, part: str) -> tuple[int, ...]:
+        """Which values the part is; none where the loop has it not."""
+        if part == "process_time_constant" and self._known.best.integrating:
+            return (2,)
+        return (
+            () if part == "stiction" and not self._known.sticks else tuple(i % len(self._middle) for i in PARTS[part])
         )
 
+    def _offs(self, free: Sequence[int], x: Floats) -> Iterable[Floats]:
+        """By how much the first of these values is tried to differ from x."""
+        for factor in (*FACTORS, *((GONE,) if len(free) > 1 else ())) if free else ():
+            off, late = np.zeros(len(x)), x[1] + x[2] + 10.0 * self.scan / self._time
+            off[free[0]] = max((factor - 1.0) * late, -x[free[0]]) if free[0] in (1, 2) else math.log(factor)
+            yield off
 
-def _best(those: Iterable[Together]) -> Together:
-    return min(those, key=lambda one: one.nll)
+    def _tried(self, x: Floats, differs: Floats, noises: Sequence[Left], draw: int = 0) -> Together:
+        """What it costs that the known time has the loop x, and the other one x + ``differs``."""
+        here, there, own = self._loop(x), self._loop(x + differs), self._known.found.noises
+        if here is None or there is None or max(abs(differs[0]), abs(differs[-1])) > FAR:
+            return Together(x, differs, (self._known.best,) * 2, (own, tuple(noises)), WORSE)
+        found, off = beside(self._other.days, there, noises, draw), x - self._middle
+        cost = 0.5 * TEMPER * float(off @ self._sure @ off) + found.nll
+        return Together(x, differs, (here, there), (own, found.noises), cost)
 
+    def _likeliest(self, free: Sequence[int], starts: Sequence[tuple[Floats, Floats]]) -> Together:
+        """The likeliest values of the known time, and of what is ``free`` at the other one, from the best start."""
+        noises, moved, free = self._other.without.noises, self._moved, list(free)
+        best = min((self._tried(*start, noises) for start in starts), key=lambda one: one.cost)
+        first = np.array([*best.x[moved], *best.differs[free]])
 
-def _sticking(one: Loop, small: float) -> Loop:
-    """A loop as it is, or with a stick too small to matter where it has none."""
-    return one if one.S > 0.0 else replace(one, S=small, J=0.0)
+        def cost(own: Floats) -> float:
+            nonlocal best
+            x, differs = best.x.copy(), np.zeros(len(best.x))
+            x[moved], differs[free] = own[: len(moved)], own[len(moved) :]
+            tried = self._tried(x, differs, best.noises[1])
+            best = min(best, tried, key=lambda one: one.cost)
+            return tried.cost
+
+        simplex = np.vstack([first, first + np.diag([*self._steps[moved], *(STEP for _ in free)])])
+        minimize(
+            cost, first, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": TRIES, "xatol": 1e-4}
+        )
+        return best
+
+    def _weighed(self, one: Together) -> Together:
+        """The same by the mean of likelihoods over draws that did not serve to find it, the earlier time first."""
+        costs = [self._tried(one.x, one.differs, one.noises[1], draw).cost for draw in DRAWS]
+        cost = math.log(len(DRAWS)) - float(np.logaddexp.reduce([-each for each in costs]))
+        way = -1 if self._known is self._fits[1] else 1
+        return replace(one, loops=one.loops[::way], noises=one.noises[::way], cost=cost)

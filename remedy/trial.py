@@ -39,7 +39,7 @@ from stickslip.remedy.process import Loop
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
 Floats = NDArray[np.float64]
-MOST = 4_000  # samples of the load that a trial runs through
+MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
 NOTHING = Setting("as it is", {})
@@ -182,7 +182,7 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     run.
     """
     loops = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]]
-    n = MOST
+    n = STEP
     dt, found = fit.controller.dt, []
     t = np.arange(n) * dt
     loads: list[Floats] = []

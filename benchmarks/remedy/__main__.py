@@ -140,7 +140,7 @@ def by_kind(rows: Sequence[dict[str, Any]]) -> list[str]:
             judged = [r for r in own if "picked" in r]
             if not own:
                 continue
-            S = [abs(r["S"][0] / r["S"][3] - 1.0) for r in judged if "S" in r]
+            S = [abs(r["S"][0] / r["S"][3] - 1.0) for r in judged if r.get("S", [None])[0] is not None]
             lines.append(
                 f"{law:18} {'integrating' if integrating else 'self-regulating':15} {len(own):3} loops, sticky "
                 f"{sum(r['sticks'] for r in own)}, kind right {sum(r['kind'] == r['integrating'] for r in judged)} of "

@@ -43,6 +43,12 @@ def test_a_load_that_goes_with_the_gain_has_not_changed():
     assert not _spread("disturbance", slow, "K", np.log(0.4)).changed  # the gain is 0.4 of what it was
 
 
+def test_behind_an_integrator_a_load_that_stays_is_no_larger_load():
+    ramp = [np.linspace(0.0, 900.0, N) + left(seed=2)[0]]  # a load of one size, which the integrator adds up
+    assert _spread("disturbance", _slow([left(), ramp], BETWEEN, [0.01, 0.01]), "K").changed
+    assert not _spread("disturbance", _slow([left(), ramp], BETWEEN, [0.01, 0.01], 2), "K").changed
+
+
 def test_a_drift_does_not_count_against_itself():
     ramp = [left(seed=2)[0] + np.linspace(0.0, 16.0, N)]
     assert named(left(), ramp) == ["sensor_drift"]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 from stickslip.remedy import changes, fit, lacks
+from stickslip.remedy.together import PARTS, Pair
 
 from benchmarks.remedy.plants import Plant
 
@@ -28,6 +29,22 @@ def test_the_change_is_named_and_nothing_else_of_valve_process_and_controller(pl
     named = [one.effect for one in found.changed if one.effect not in ("disturbance", "sensor_noise")]
     assert named == ([] if change == "nothing" else [change.removesuffix("_gone")])
     assert found.gap == bool(found.changed)
+
+
+@pytest.mark.parametrize(
+    ("part", "other"),
+    [
+        ("stiction", lambda one: replace(one, S=2.0 * one.S, J=2.0 * one.J)),
+        ("process_gain", lambda one: replace(one, K=2.0 * one.K)),
+        ("process_time_constant", lambda one: replace(one, tau=3.0 * one.tau)),
+        ("dead_time", lambda one: replace(one, theta=one.theta + 8.0)),
+    ],
+)  # fmt: skip
+def test_the_part_in_which_loops_and_log_differ_gains_most(earlier, part, other):
+    # the search for both times together found 0 nats: it let the loops of the earlier time go
+    pair = Pair(replace(earlier, loops=tuple(other(one) for one in earlier.loops)), earlier)
+    gains = {each: pair.gain(each) for each in PARTS}
+    assert max(gains, key=lambda each: gains[each]) == part and gains[part] > 25.0
 
 
 def test_a_retuned_controller_is_told_to_the_per_cent(plant, earlier):

@@ -72,7 +72,7 @@ def test_the_truth_is_likelier_than_other_sizes(found):
         noises = start_noise([day])
         for _ in range(3):
             said = predicted([day], one, noises)
-            one, noises, _ = settled([day], one, said.shown)
+            one, noises = settled([day], one, said.shown)
         return predicted([day], one, noises).nll
 
     true = loss(truth)
@@ -119,7 +119,7 @@ def test_an_integrator_has_a_gain_though_the_controller_makes_up_for_the_load():
     pv = np.cumsum(flow) + 0.01 * rng.normal(size=n)
     day = replace(day_of(np.arange(float(n)), op, pv, None), q=1)
     one = Loop(False, 0.0, 0.0, True, 1.0, 0.01, 0.0, 0.0)
-    one, _, _ = settled([day], one, predicted([day], one, start_noise([day], True)).shown)
+    one, _ = settled([day], one, predicted([day], one, start_noise([day], True)).shown)
     assert 0.3 < one.K < 0.6
 
 
@@ -134,7 +134,7 @@ def test_a_likely_path_keeps_the_gain():
     day = replace(day_of(t, op, pv, None), q=1)
     one, noises = Loop(False, 5.0, 3.0, False, 1.5, 5.0, 0.0, 0.0), start_noise([day])
     for _ in range(4):
-        one, noises, _ = settled([day], one, predicted([day], one, noises).shown)
+        one, noises = settled([day], one, predicted([day], one, noises).shown)
     assert pytest.approx(1.5, rel=0.07) == one.K
 
 

@@ -49,7 +49,7 @@ def at_truth(seed, samples=None):
     one = Loop(True, n.S, n.J, plant.integrating, n.K, tau, n.T_2 + n.T_3, n.theta + n.air)
     noises = start_noise([day], plant.integrating)
     for _ in range(4):
-        one, noises, _ = settled([day], one, predicted([day], one, noises).shown)
+        one, noises = settled([day], one, predicted([day], one, noises).shown)
     return day, plant, one, noises
 
 
@@ -73,7 +73,7 @@ def test_where_a_stem_comes_to_rest_is_followed_and_not_drawn():
     day = replace(day_of(t, op, pv, None), q=1)
     one, noises = Loop(False, 5.0, 2.0, False, 1.5, 10.0, 0.0, 0.0, 0.11), start_noise([day])
     for _ in range(4):
-        one, noises, _ = settled([day], one, predicted([day], one, noises).shown)
+        one, noises = settled([day], one, predicted([day], one, noises).shown)
     nll = [predicted([day], one, noises, draw).nll for draw in range(1, 9)]
     assert np.mean(nll) < -3800.0
     assert np.std(nll) < 40.0
