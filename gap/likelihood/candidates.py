@@ -83,7 +83,8 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     at = {key: null.best.values[key] for key in one.frame.free}
     alone = one.adds_to(null.hypothesis) and not one.hides
     near = None if alone else null.best
-    for size in sizes(null, one):
+    tries = sizes(null, one)
+    for size in tries[1::2] if alone else tries:  # along one direction, where each costs a filter
         found = tried(one, {**at, **size}, near)
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
