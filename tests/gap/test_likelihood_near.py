@@ -1,0 +1,51 @@
+"""Where a model is near its log: scores rank effects, and no stem is searched that does not come near the model."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.candidates import by_score
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.search import fitted, legal, model_alone
+from stickslip.gap.likelihood.settling import settled
+
+from tests.gap.root_tank import framed, logged, tank
+
+
+def effect(name: str) -> Effect:
+    return next(one for one in CATALOGUE if one.name == name)
+
+
+def alone(log) -> Fit:
+    return settled(model_alone(replace(framed(tank(), log), apart=True)))
+
+
+def test_an_effect_that_adds_a_state_is_scored_by_a_filter_of_its_own() -> None:
+    # gains of the model do not set the state of the lag right: by them it promised nothing
+    true = effect("sensor_lag").insert(tank(), "sensor", tau=8.0)
+    null = alone(logged(true, 12, duration=3600.0))
+    lag = Hypothesis(null.hypothesis.frame, effect("sensor_lag"), "sensor")
+    assert not null.best.gross and lag.adds_to(null.hypothesis) and not null.hypothesis.adds_to(lag)
+    (found,) = by_score(null, [lag])
+    assert found.gain > 10.0
+    assert found.direction is None  # gains of its own are no direction that the model's innovations could lie in
+
+
+def test_a_stem_is_fitted_only_where_its_first_sizes_come_near_enough() -> None:
+    null = alone(logged(tank(), 13, duration=2400.0))
+    stems = [c for c in by_score(null, legal(null, [effect("deadband")])) if c.hypothesis.hides]
+    assert stems
+    assert fitted(null, stems, raced=False, within=-math.inf) == []
+    (fit,) = fitted(null, stems, raced=False)
+    assert fit.nll == pytest.approx(null.nll, abs=30.0)
+
+
+def test_a_frame_keeps_what_does_not_depend_on_switches() -> None:
+    frame = framed(tank(), logged(tank(), 14, duration=1200.0))
+    played, rows = frame.sources["SP"], frame.Y
+    other = frame.switching({"SP": {int(k): 2.0 for k in (35,)}})
+    assert other.Y is rows and other.free is frame.free
+    assert other.sources["SP"] is not played
