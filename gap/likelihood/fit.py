@@ -5,8 +5,7 @@
 
 d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, unless 0 is neutral: then the
 size in the middle of that range; else the size in its range.  Slopes in noise come from the filter's own slopes, those
-in tolerances from runs with the filter's gains: neither needs a new filter.  Nor does the size of an effect, unless the
-innovations are large.
+in tolerances from runs with the filter's gains: neither needs a new filter, as the size of an effect does.
 """
 
 import math
