@@ -151,7 +151,7 @@ def extended(  # type: ignore[no-untyped-def]
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
             which[k] = i
         row = row_of[k]
-        moved = row >= 0 or width < 0 or near
+        moved = row >= 0 or width < 0 or near  # no other stop is probed, or has slopes of its own
         if moved:
             next_I[:], next_W[:] = I[:kept], W[:saved]
         # between rows nothing bends within the spread, if it did not within more of it at the row before
@@ -166,8 +166,6 @@ def extended(  # type: ignore[no-untyped-def]
             width = -1
         fresh = width < 0
         if fresh:
-            if not moved:
-                next_I[:], next_W[:], moved = I[:kept], W[:saved], True
             restore(I, W, base_I, base_W)
             put(I, W, places[0], z)
             status = arrive(I, W, buffer, no_rows, times[k])

@@ -11,7 +11,7 @@ from stickslip.gap.filters.digits import FEW, STRAIGHT, levels
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.straightness import deviation_of, sloping
-from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.records.record import rounding
@@ -76,4 +76,4 @@ def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
 def _as(fit: Fit, one: Hypothesis, size: dict[str, float]) -> Fit:
     """Return a fit under the name of an effect that leaves the same."""
     values = {**{key: fit.best.values[key] for key in one.frame.free}, **size}
-    return Fit(replace(fit.best, hypothesis=one, values=values), (), np.zeros((0, 0)), fit.slopes[:0])
+    return unfitted(replace(fit.best, hypothesis=one, values=values))

@@ -57,6 +57,11 @@ class Fit:
         }
 
 
+def unfitted(best: Innovations) -> Fit:
+    """Return these values as they are, none of them known to be free."""
+    return Fit(best, (), np.zeros((0, 0)), np.zeros((0, *best.e.shape)))
+
+
 def logarithmic(one: Hypothesis, name: str) -> bool:
     """Return whether a parameter is fitted by its logarithm."""
     low, _ = one.bounds[name]

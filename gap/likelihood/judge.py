@@ -24,7 +24,7 @@ from stickslip.gap.likelihood.scores import basis, trusted
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
-STEMS = 6  # of a bank there: the record and the runs are asked with as few
+JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
 ALARM = 0.005  # share of right hypotheses that are called wrong
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
@@ -78,7 +78,7 @@ def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
         return tried(run, values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
     assert fit.best.near is not None
     try:
-        return left_by_bank(run, values, fit.best.near, STEMS)
+        return left_by_bank(run, values, fit.best.near, JUDGED_STEMS)
     except ArithmeticError:
         return None
 

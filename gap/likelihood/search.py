@@ -9,7 +9,7 @@ from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate
-from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import at_bound
@@ -99,7 +99,7 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
             return None  # what no play explains to some part no stem that jumps explains
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     start = tried(mine, one.values) if raced else _own_filter(null, one)
-    return None if start is None else settled(Fit(start, (), np.zeros((0, 0)), np.zeros((0, *start.e.shape))), 1)
+    return None if start is None else settled(unfitted(start), 1)
 
 
 def _within_reach(null: Fit, found: Sequence[Fit]) -> float:
