@@ -26,6 +26,7 @@ from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.effects.stiction import Stiction
 from stickslip.gap.filters import laws
 from stickslip.gap.filters.affine import NotAffine
+from stickslip.gap.filters.beside import firsts, with_effect
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.filters.constant import constancy
 from stickslip.gap.filters.digits import coarse_sensor, compressed, few_levels
@@ -41,6 +42,7 @@ from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.filters.summed import with_outputs
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced, stated_about
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
@@ -52,6 +54,7 @@ LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are no
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
+HOPE = 0.5  # share of what a first effect leaves, that a second takes away at the first look
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
 STICTION = 16.0  # nats that a stem must gain where something else is wrong: a bank of stems is no more exact
 
@@ -70,6 +73,7 @@ class Outcome:
     textured: bool = False
     stem: LoggedStem | None = None
     looked: Sequence[Looked] = ()
+    firsts: Sequence[Found] = ()
 
     @cached_property
     def best(self) -> Filtered:
@@ -90,6 +94,8 @@ class Outcome:
             return Evidence("filter, unknown", gained, share)
         behind = [total(one) for one in self.found if one not in self.same]
         margin = min(behind) - total(best) if behind else gained
+        if self.firsts:
+            return Evidence("pair", gained, share, margin)
         one = best.best.explanation
         if one.sticks and one.effect is not None:
             return Evidence(f"filter, {one.effect.name}", gained, share, margin)
@@ -126,9 +132,8 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     settling = math.ceil(settling_rows(quiet, record))
     record = replace(record, log=without_unsettled(record.log, record.played, record.pinned, settling))
     start = start_values(quiet, record)
-    model, quiet = diagram.starting_at(start), quiet.starting_at(start)
     leads = np.zeros((len(record.played), len(record.log)), dtype=np.int64)
-    found = Filtering(model, quiet, record, leads)
+    found = Filtering(Given(diagram.starting_at(start)), record, leads)
     try:
         measured = {str(quiet[name].loop_signal("PV")) for name in found.controllers}
         if not measured | set(found.ops) <= set(found.signals):
@@ -146,7 +151,29 @@ def outcome(
     progress: Progress = None,
     stem: LoggedStem | None = None,
 ) -> Outcome:
-    """Return what explains a record; ``stem`` what a logged stem says, which decides what can be.
+    """Return what explains a record, one effect, or two where none is enough alone.
+
+    ``stem`` is what a logged stem says, which decides what can be.
+    """
+    alone = _by_one(f, catalogue, seed, progress, stem)
+    if not alone.gap or alone.same or (stem is not None and not stem.follows):
+        return alone
+    for first in firsts(alone.found):
+        within = first.nll - HOPE * max(first.nll - _white(first.best), 0.0)
+        try:
+            both = _explained(with_effect(first), catalogue, seed, progress, stem, within)
+        except NotAffine:
+            continue
+        if both.same:
+            same = [one for one in alone.found if 0.0 <= total(one) - total(first) <= TIE]
+            return replace(both, plain=alone.plain, firsts=same)
+    return alone
+
+
+def _by_one(
+    f: Filtering, catalogue: Sequence[Effect], seed: int, progress: Progress, stem: LoggedStem | None
+) -> Outcome:
+    """Return which single effect explains a record.
 
     Noise and loads are as the model states them.  Where nothing else explains the record then, or noise alone does,
     they are fitted as well: nobody knows them exactly.  That counts if the record is likelier then by Schwarz's price.
@@ -163,15 +190,19 @@ def outcome(
 
 
 def _explained(
-    f: Filtering, catalogue: Sequence[Effect], seed: int, progress: Progress, stem: LoggedStem | None
-) -> Outcome:
-    """Return what explains a record, with noise and loads fitted or not, as ``f`` has them."""
+    f: Filtering, catalogue: Sequence[Effect], seed: int, progress: Progress, stem: LoggedStem | None,
+    within: float = math.inf,
+) -> Outcome:  # fmt: skip
+    """Return what explains a record, with noise and loads fitted or not, as ``f`` has them.
+
+    ``within``: nll that the likeliest first look has to come to, or nothing is fitted.
+    """
     if stem is not None:
         catalogue = stem.possible(catalogue)
     elsewhere = stem is not None and not stem.follows
     plain = settled(replace(f, catalogue=tuple(catalogue)))
     f = plain.best.explanation.filtering
-    legal = [(effect, place) for effect in catalogue for place in effect.places(f.model)]
+    legal = [(effect, place) for effect in catalogue for place in f.given.places(effect)]
     for effect, place in legal:
         if isinstance(effect, Quantisation):
             found = coarse_sensor(plain, effect, place)
@@ -187,6 +218,8 @@ def _explained(
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
     others = [effect for effect in catalogue if effect not in scans]
     first = first_looks(plain, others, progress)
+    if min([plain.nll - shown, *(one.nll for one in first)]) > within:
+        return Outcome(plain, (), (), True, stem=stem, looked=looked)
     fits = fitted(plain, first, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
@@ -291,8 +324,10 @@ def adequate(plain: Found, one: Found) -> bool:
 
 def explained(plain: Found, one: Found) -> float:
     """Return the share of the gap that an explanation explains, counted above the noise floor of its own filter."""
-    floor = min(one.nll, plain.nll)
-    if one.best.mixed is None:
-        floor = one.nll - 0.5 * float(np.nansum(one.best.judged**2 - 1.0))
-    removable = plain.nll - floor
+    removable = plain.nll - (_white(one.best) if one.best.mixed is None else min(one.nll, plain.nll))
     return (plain.nll - one.nll) / removable if removable > 1.0 else 1.0
+
+
+def _white(one: Filtered) -> float:
+    """Return the negative log likelihood that a filter would leave if its innovations were of unit variance."""
+    return one.nll - 0.5 * float(np.nansum(one.judged**2 - 1.0))

@@ -91,12 +91,12 @@ def ranked(
 
 def first_looks(plain: Found, catalogue: Iterable[Effect], progress: Progress = None) -> list[Filtered]:
     """Return a first fit of every effect that a filter has, at every place, the likeliest first."""
-    model = plain.best.explanation.filtering.model
+    given = plain.best.explanation.filtering.given
     legal = [
         (effect, place)
         for effect in catalogue
         if not (effect.of_log or effect.hidden or isinstance(effect, Quantisation | SensorSaturation))
-        for place in effect.places(model)
+        for place in given.places(effect)
     ]
     looked = []
     with reporting(progress, len(legal), "effects") as tell:

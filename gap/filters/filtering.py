@@ -103,7 +103,8 @@ class Explanation:
     def _made(self, values: Mapping[str, float]) -> Scanned:
         f = self.filtering
         own = {name: values[name] for name in self.own}
-        params = {key: values[key] for key in f.unsure}
+        random = f.given.random
+        params = {key: value for key, value in f.given.settings(values).items() if key not in random}
         noise = tuple(_with_sizes(one, values) for one in f.noise)
         if isinstance(self.effect, SensorNoise):
             noisy = str(noise_of(f.model, f.model[self.place]))

@@ -54,7 +54,7 @@ class Found:
 def spread(one: Explanation, name: str) -> bool:
     """Return whether the range of a parameter is logarithmic."""
     if name in one.filtering.free:
-        return True
+        return one.bounds[name][0] > 0.0
     return any(p.name == name and p.spacing == "log" for p in one.effect.parameters) if one.effect else False
 
 

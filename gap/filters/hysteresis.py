@@ -186,7 +186,7 @@ def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filter
     """
     one, f = start.explanation, start.explanation.filtering
     best = banked(one, start.values, bank)
-    steps = dict.fromkeys(one.own, wide) | {key: UNSURE * f.quiet.tolerances[key] for key in f.unsure}
+    steps = dict.fromkeys(one.own, wide) | {key: UNSURE * _tolerance(one, key) for key in f.unsure}
     ways = dict.fromkeys(steps, 1.0)
     for _ in range(ROUNDS):
         base = best
@@ -206,6 +206,12 @@ def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filter
         if new.nll < best.nll - LEAST:
             best = new
     return best
+
+
+def _tolerance(one: Explanation, key: str) -> float:
+    """Return how far a parameter may be from its nominal value, as a share of it, all of it at most."""
+    low, high = one.bounds[key]
+    return min(1.0, 0.5 * (high - low) / max(abs(one.nominal[key]), 1e-300))
 
 
 def _again(one: Explanation, before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, float]:

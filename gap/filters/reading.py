@@ -12,7 +12,8 @@ from stickslip.gap.filters.affine import NotAffine
 from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import made_of
-from stickslip.gap.records.model import Nuisance, known_within, nuisances, stated, stated_about
+from stickslip.gap.records.given import Given
+from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import RARE, Record, rounding, switch_rows
 
 Floats = NDArray[np.float64]
@@ -23,14 +24,13 @@ SKIPPED = 60  # rows at the beginning, and at least the time in which a start is
 
 @dataclass(frozen=True, eq=False)
 class Filtering:
-    """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
-    which each switch of an input comes before the row that shows it, (inputs, rows); ``apart``: whether rows just
-    behind a switch are left out; ``catalogue``: effects of which a little may be beside another; ``loose``: whether
-    noise and loads are fitted, about what the model states, or are as it states them.
+    """``given`` a model that starts as the record starts; ``record``; ``leads`` scans by which each switch of an input
+    comes before the row that shows it, (inputs, rows); ``apart``: whether rows just behind a switch are left out;
+    ``catalogue``: effects of which a little may be beside another; ``loose``: whether noise and loads are fitted, about
+    what the model states, or are as it states them.
     """
 
-    model: Diagram
-    quiet: Diagram
+    given: Given
     record: Record
     leads: NDArray[np.int64]
     apart: bool = False
@@ -49,10 +49,20 @@ class Filtering:
                         found[np.minimum(rows + k, len(found) - 1)] = False
         return found
 
-    @cached_property
+    @property
+    def model(self) -> Diagram:
+        """The model with its nuisances."""
+        return self.given.model
+
+    @property
+    def quiet(self) -> Diagram:
+        """The model without random numbers."""
+        return self.given.quiet
+
+    @property
     def noise(self) -> tuple[Nuisance, ...]:
         """Sources of random numbers."""
-        return nuisances(self.model)
+        return self.given.noise
 
     @cached_property
     def period(self) -> float:
@@ -102,20 +112,20 @@ class Filtering:
         ]
         return next((s for s in behind if s in self.ops), self.ops[-1])
 
-    @cached_property
+    @property
     def unsure(self) -> dict[str, tuple[float, float]]:
-        """Parameters of the model that are known within a tolerance only, with (low, high)."""
-        return known_within(self.quiet)
+        """Parameters that are fitted with every explanation, whether noise and loads are or not."""
+        return self.given.unsure
 
-    @cached_property
+    @property
     def free(self) -> dict[str, tuple[float, float]]:
         """What is fitted with every explanation, with (low, high): tolerances, and ``loose`` noise and loads."""
-        return (stated_about(self.model) if self.loose else {}) | self.unsure
+        return self.given.free if self.loose else self.given.unsure
 
     @cached_property
     def stated(self) -> dict[str, float]:
         """What the model states of all that is free."""
-        return stated(self.model, self.free)
+        return {key: self.given.stated[key] for key in self.free}
 
     @cached_property
     def Y(self) -> Floats:

@@ -92,7 +92,7 @@ def either_way(now: Filtered) -> dict[str, float]:
     e = np.clip(np.nan_to_num(now.judged), -CALM, CALM).ravel()
     pairs = []
     for effect in f.catalogue:
-        for place in effect.places(f.model):
+        for place in f.given.places(effect):
             size = _little(Explanation(f, effect, place))
             if size:
                 name = f"beside it {effect.name} at {place}, or its opposite"

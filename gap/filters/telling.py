@@ -15,9 +15,11 @@ from stickslip.gap.filters.fitting import Found, refined
 from stickslip.gap.filters.hysteresis import followed_on, left
 from stickslip.gap.filters.limiting import reach
 from stickslip.gap.filters.reading import Filtering
-from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.given import SURE
+from stickslip.gap.telling.causes import named_cause, said_of
 from stickslip.gap.telling.nuisances import stated_wrongly
-from stickslip.gap.telling.sizes import SEEN, SURE, shrinkage_of_losses
+from stickslip.gap.telling.sizes import SEEN, shrinkage_of_losses
 from stickslip.gap.telling.structure import by_wiring
 from stickslip.gap.telling.words import LISTED, NO_PLACE
 
@@ -97,20 +99,15 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
 
 def _named(o: Outcome, sureness: Sureness) -> GapReport:
     best = o.same[0]
-    one, effect = best.best.explanation, best.best.explanation.effect
-    assert effect is not None
-    places = tuple(dict.fromkeys(x.best.explanation.place for x in o.same))
-    others = tuple(dict.fromkeys(_name(x) for x in o.same if _name(x) != effect.name))
-    sure = sureness.probability(o.evidence)
-    found, shrunk = _sizes(best), held_out(o)
-    said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
-    words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
-    words += about_creep(effect, found)
-    if others:
-        words.append(f"These signals cannot separate it from {listed(others)}.")
+    found = [named_cause([_whose(x) for x in o.same], _sizes(best))]
+    if o.firsts:
+        found.insert(0, named_cause([_whose(x) for x in o.firsts], _sizes_of_part(best)))
+    places = tuple(dict.fromkeys(x.best.explanation.place for x in (*o.firsts, *o.same)))
+    sure, shrunk = sureness.probability(o.evidence), held_out(o)
+    words = said_of(found)
     part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
     words.append(
-        f"It explains {part:.1f} % of the gap"
+        f"{'Together they explain' if o.firsts else 'It explains'} {part:.1f} % of the gap"
         + (
             f"; on rows that the fit has not seen the gap shrinks by {100.0 * shrunk.fraction:.0f} % "
             f"({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)."
@@ -128,14 +125,28 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
         )
         words.append(f"{how} the record is explained by {other.name}.")
     shares = _shares(o)
-    where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
-    cause = Cause(effect.name, one.place, sure, others, found)
-    return _report(o, sureness, words, best.best, where, (cause,), _ranking(o, sure), shrunk)
+    where = Where(found[0].place, sure, places, {place: shares.get(place, 0.0) for place in places})
+    causes = tuple(one.stated(sure) for one in found)
+    return _report(o, sureness, words, best.best, where, causes, _ranking(o, sure), shrunk)
 
 
 def _name(one: Found) -> str:
     effect = one.best.explanation.effect
     return effect.name if effect else ""
+
+
+def _whose(one: Found) -> tuple[Effect, str]:
+    """Return the effect of a fit and its place."""
+    explanation = one.best.explanation
+    assert explanation.effect is not None
+    return explanation.effect, explanation.place
+
+
+def _sizes_of_part(one: Found) -> dict[str, Size]:
+    """Return the sizes of the effect that is part of the model."""
+    part = one.best.explanation.filtering.given.part
+    assert part is not None
+    return part.sizes(one.best.values, one.sd)
 
 
 def _sizes(one: Found) -> dict[str, Size]:
@@ -165,9 +176,10 @@ def _sizes(one: Found) -> dict[str, Size]:
 def _shares(o: Outcome) -> dict[str, float]:
     """Return place -> share of the gap that the best effect there explains, the largest first."""
     found: dict[str, float] = {}
-    for one in o.found:
+    first = explained(o.plain, o.firsts[0]) if o.firsts else 0.0
+    for one, before in (*((one, 0.0) for one in o.firsts), *((one, first) for one in o.found)):
         place = one.best.explanation.place
-        found[place] = max(found.get(place, 0.0), float(np.clip(explained(o.plain, one), 0.0, 1.0)))
+        found[place] = max(found.get(place, 0.0), float(np.clip(explained(o.plain, one) - before, 0.0, 1.0)))
     return dict(sorted(found.items(), key=lambda x: -x[1]))
 
 

@@ -8,10 +8,11 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.beside import as_part, firsts, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits
 from stickslip.gap.likelihood.fit import Fit
-from stickslip.gap.likelihood.frame import Frame, Given
+from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
@@ -27,6 +28,7 @@ from stickslip.gap.likelihood.search import (
 )
 from stickslip.gap.likelihood.settling import SETTLING, settled
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.start import start_values
@@ -43,7 +45,8 @@ class Outcome:
     """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
     likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
     that the record does not tell apart, none where none is enough; ``share`` by
-    which the first fit moves the signals; ``textured`` whether the digits of the log told.
+    which the first fit moves the signals; ``textured`` whether the digits of the log told; ``firsts`` the effects, not
+    told apart, one of which is part of the model of all fits: the gap has two causes.
     """
 
     null: Fit
@@ -54,6 +57,7 @@ class Outcome:
     named: Sequence[Fit]
     share: float = 1.0
     textured: bool = False
+    firsts: Sequence[Fit] = ()
 
 
 def frame_of(model: Diagram, record: Record) -> Frame | None:
@@ -95,7 +99,33 @@ def needed(found: Sequence[Candidate]) -> float:
 
 
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
-    """Return what explains a record."""
+    """Return what explains a record: an effect, or two where none is enough alone."""
+    alone = _explained(frame, catalogue, seed, progress)
+    if not alone.gap or alone.named:
+        return alone
+    for first in firsts(alone.fits, TIE):
+        both = _with_second(first, catalogue, seed, progress)
+        if both is not None:
+            same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
+            return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
+    return alone
+
+
+def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome | None:
+    """Return what explains a record beside a first effect, None if nothing is enough."""
+    stems = [effect for effect in catalogue if effect.hidden]
+    if first.hypothesis.hides:
+        others = _explained(with_effect(first), [effect for effect in catalogue if effect not in stems], seed, progress)
+        part = as_part(others.fits[0], first) if others.fits else None
+        if part is None:
+            return None
+        first, catalogue = part, stems
+    both = _explained(with_effect(first), catalogue, seed, progress)
+    return replace(both, firsts=(first,)) if both.named else None
+
+
+def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome:
+    """Return which single effect explains a record, beside what is part of the model already."""
     frame = when_switched(frame)
     rough = model_alone(replace(frame, apart=True))
     null = settled(rough)

@@ -13,7 +13,8 @@ from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
-from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
+from stickslip.gap.records.given import Given
+from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
@@ -22,33 +23,6 @@ NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 SAME = 1e-6  # of an interval: stops nearer to each other are one
 FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
-
-
-@dataclass(frozen=True, eq=False)
-class Given:
-    """What a ``model`` with its nuisances states, whatever it is held against."""
-
-    model: Diagram
-
-    @cached_property
-    def quiet(self) -> Diagram:
-        """The model without random numbers."""
-        return silenced(self.model)
-
-    @cached_property
-    def noise(self) -> tuple[Nuisance, ...]:
-        """Sources of random numbers."""
-        return nuisances(self.model)
-
-    @cached_property
-    def free(self) -> dict[str, tuple[float, float]]:
-        """What is fitted with every hypothesis, block.parameter -> (low, high): tolerances, noise and loads."""
-        return stated_about(self.model) | known_within(self.quiet)
-
-    @cached_property
-    def stated(self) -> dict[str, float]:
-        """What the model states of all that is free, block.parameter -> value."""
-        return stated(self.model, self.free)
 
 
 @dataclass(frozen=True, eq=False)

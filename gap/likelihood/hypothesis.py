@@ -77,7 +77,7 @@ class Hypothesis:
 
     def settings(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of blocks that these values stand for."""
-        found = {key: values[key] for key in self.frame.free}
+        found = self.frame.given.settings(values)
         if self.effect is not None:
             own = {name: values[name] for name in self.own}
             found |= self.effect.settings(self.frame.model, self.place, **own)

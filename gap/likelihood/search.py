@@ -60,7 +60,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     return [
         Hypothesis(frame, resting(effect) if frame.scanned else effect, place)
         for effect in catalogue if not effect.of_log and effect.name not in left_out
-        for place in effect.places(frame.model)
+        for place in frame.given.places(effect)
     ]  # fmt: skip
 
 

@@ -282,5 +282,10 @@ def _with_path(one: Hypothesis, shared: dict[str, float], path: Floats | None, c
         return None
 
 
+def known_stem(best: Innovations) -> Hypothesis:
+    """Return the hypothesis that the stem of a bank went its likeliest path."""
+    return _known(best.hypothesis, best.stem)
+
+
 def _nll(found: Innovations) -> float:
     return found.nll

@@ -7,16 +7,17 @@ from stickslip.blocks.role import Role
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from stickslip.gap.answers.sureness import Sureness
+from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.diagnosing import Outcome
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.relevance import RELEVANT
 from stickslip.gap.likelihood.search import price
-from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.records.given import sizes
+from stickslip.gap.telling.causes import named_cause, said_of
 from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.structure import by_wiring
 
-SURE = 1.645  # standard deviations of an interval of 90 %
 OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue
 LISTED = 12  # explanations in the ranking
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
@@ -42,21 +43,19 @@ def told(o: Outcome) -> GapReport:
 
 def _named(o: Outcome) -> GapReport:
     best = o.named[0]
-    one, effect = best.hypothesis, best.hypothesis.effect
-    assert effect is not None
-    places = tuple(dict.fromkeys(fit.hypothesis.place for fit in o.named))
-    others = tuple(dict.fromkeys(name for fit in o.named if (name := _name(fit)) != effect.name))
-    found = _sizes(best)
-    said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
-    words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
-    words += about_creep(effect, found)
-    if others:
-        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+    found = [named_cause([_whose(fit) for fit in o.named], _sizes(best))]
+    if o.firsts:
+        part = best.hypothesis.frame.given.part
+        assert part is not None
+        found.insert(0, named_cause([_whose(fit) for fit in o.firsts], part.sizes(best.best.values, best.sd)))
+    places = tuple(dict.fromkeys(fit.hypothesis.place for fit in (*o.firsts, *o.named)))
+    words = said_of(found)
     if o.textured:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:
         words.append(
-            f"The log is {o.null.nll - best.nll:.1f} nats likelier with it; what it leaves is usual "
+            f"The log is {o.null.nll - best.nll:.1f} nats likelier with {'both' if o.firsts else 'it'}; what "
+            f"{'they leave' if o.firsts else 'it leaves'} is usual "
             f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
         )
     if o.textured:
@@ -64,13 +63,13 @@ def _named(o: Outcome) -> GapReport:
     else:
         shares = _posterior(o, o.fits)
         sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
-    where = Where(one.place, sure, places, _by_place(o))
-    cause = Cause(effect.name, one.place, sure, others, found)
+    where = Where(found[0].place, sure, places, _by_place(o))
+    causes = tuple(one.stated(sure) for one in found)
     shrunk = None if o.textured else held_out(o.null, best)
     if shrunk is not None:
         by = f"{100.0 * shrunk.fraction:.0f} % ({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)"
         words.append(f"On rows that the fit has not seen the gap shrinks by {by}.")
-    return _report(o, words, best, where, (cause,), _ranking(o, sure), shrunk)
+    return _report(o, words, best, where, causes, _ranking(o, sure), shrunk)
 
 
 def _unknown(o: Outcome) -> GapReport:
@@ -99,18 +98,16 @@ def _name(fit: Fit) -> str:
     return effect.name if effect else ""
 
 
+def _whose(fit: Fit) -> tuple[Effect, str]:
+    """Return the effect of a fit and its place."""
+    assert fit.hypothesis.effect is not None
+    return fit.hypothesis.effect, fit.hypothesis.place
+
+
 def _sizes(fit: Fit) -> dict[str, Size]:
     """Return the sizes of an effect with intervals of 90 %."""
-    one = fit.hypothesis
-    found: dict[str, Size] = {}
-    for p in one.effect.parameters if one.effect else ():
-        value = float(fit.best.values[p.name])
-        if p.nuisance or not np.isfinite(value):
-            continue
-        wide = SURE * fit.sd.get(p.name, 0.0)
-        low, high = one.bounds[p.name]
-        found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
-    return found
+    one, values = fit.hypothesis, fit.best.values
+    return sizes(one.effect.parameters if one.effect else (), values, fit.sd, one.bounds)
 
 
 def _posterior(o: Outcome, fits: Sequence[Fit]) -> dict[Fit, float]:
@@ -124,8 +121,9 @@ def _by_place(o: Outcome) -> dict[str, float]:
     """Return place -> share of the gap that the best effect there explains, from 0 to 1, the largest first."""
     found: dict[str, float] = {}
     whole = max((o.null.nll - fit.nll for fit in o.fits), default=0.0)
-    for fit in o.fits:
-        part = float(np.clip((o.null.nll - fit.nll) / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
+    beside = o.firsts[0].nll if o.firsts else o.null.nll
+    for fit, before in (*((fit, o.null.nll) for fit in o.firsts), *((fit, beside) for fit in o.fits)):
+        part = float(np.clip((before - fit.nll) / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
         found[fit.hypothesis.place] = max(found.get(fit.hypothesis.place, 0.0), part)
     return dict(sorted(found.items(), key=lambda x: -x[1]))
 
@@ -134,7 +132,8 @@ def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
     if not o.fits:
         return ()
     shares = _posterior(o, o.fits)
-    return tuple(Rank(_name(fit), fit.hypothesis.place, sure * shares[fit]) for fit in o.fits[:LISTED])
+    first = tuple(Rank(_name(fit), fit.hypothesis.place, sure) for fit in o.firsts[:1])
+    return first + tuple(Rank(_name(fit), fit.hypothesis.place, sure * shares[fit]) for fit in o.fits[:LISTED])
 
 
 def abnormal_segment(null: Fit) -> tuple[str, ...]:

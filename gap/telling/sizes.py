@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from stickslip.gap.answers.report import Shrinkage, Size
 from stickslip.gap.fits.search import Fit, slopes
 from stickslip.gap.floors.floor import NU, losses
+from stickslip.gap.records.given import SURE
 
 Floats = NDArray[np.float64]
-SURE = 1.645  # standard deviations of an interval of 90 %
 LOST = (NU + 3.0) / (NU + 1.0)  # variance by Student's loss over that of the innovations' own law
 SEEN = 0.625  # share of the rows on which effects are fitted again to be judged on the rest
 BLOCKS = 12  # stretches of the rest whose scatter gives the interval

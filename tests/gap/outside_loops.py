@@ -36,6 +36,7 @@ KINDS = {
     "a noise that grows with the level": lambda t, rng: {"grows": 0.0025 * rng.normal(size=len(t))},
     "a sensor whose noise is coloured": lambda t, rng: {"noise": 0.01 * autoregression(rng, len(t), 15.0)},
 }
+TWO = {"a gain and a sine of the load": lambda t, rng: {"K": 3.9, "load": 0.03 * np.sin(2.0 * np.pi * t / 140.0)}}
 
 
 def site_log(kind="none", seed=5, hours=2.0):
@@ -44,7 +45,7 @@ def site_log(kind="none", seed=5, hours=2.0):
     t = np.arange(3600.0 * hours + 1.0)
     n = len(t)
     SP = np.repeat(rng.uniform(1.05, 1.95, n // 250 + 1).round(2), 250)[:n]
-    own = KINDS[kind](t, rng)
+    own = (KINDS | TWO)[kind](t, rng)
     K = np.broadcast_to(own.get("K", 3.0), n)
     load = 0.01 * autoregression(rng, n, 60.0) + own.get("load", 0.0)
     noise = 0.004 * rng.normal(size=n) + own.get("noise", 0.0)

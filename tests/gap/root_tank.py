@@ -4,7 +4,8 @@ import numpy as np
 from stickslip.blocks import PI, Equations, IdealValve, Noise, SampledPI, SampledSensor, Staircase, Sum
 from stickslip.diagram import Diagram, simulate, wire
 from stickslip.diagram.inputs import close
-from stickslip.gap.likelihood.frame import Frame, Given
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.start import start_values
 from stickslip.logs import Log

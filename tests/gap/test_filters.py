@@ -19,6 +19,7 @@ from stickslip.gap.filters.reading import Filtering
 from stickslip.gap.filters.scanned import scanned
 from stickslip.gap.filters.stems import stuck
 from stickslip.gap.insertion.straightness import lined
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, read, silenced
 from stickslip.logs import Log
 
@@ -173,7 +174,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance():
 def test_a_fit_finds_gain_and_time_constant_and_leaves_white_innovations(site_record):
     log = site_record()
     model, record = read(site_flow(rest=1.5), log)
-    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    f = Filtering(Given(model), record, np.zeros((1, len(log)), dtype=np.int64))
     found = refined(Explanation(f).filtered({"process.K": 2.88, "process.tau": 10.8}), tuple(f.free))
     assert found.best.values["process.K"] == pytest.approx(3.0, rel=0.01)
     assert found.best.values["process.tau"] == pytest.approx(10.0, rel=0.05)
@@ -185,7 +186,7 @@ def test_a_leak_that_looks_like_a_gain_is_found_from_afar(site_record):
     # both move PV; a step along the ridge between them that is cut short must stay on it
     log = site_record("valve_leak", "valve", flow=3.0)
     model, record = read(site_flow(rest=1.5), log)
-    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    f = Filtering(Given(model), record, np.zeros((1, len(log)), dtype=np.int64))
     one = Explanation(f, effect("valve_leak"), "valve")
     names = (*one.own, *f.free)
     far, near = (
@@ -199,7 +200,7 @@ def test_a_leak_that_looks_like_a_gain_is_found_from_afar(site_record):
 def test_checks_see_innovations_that_remember(site_record):
     log = site_record()
     model, record = read(site_flow(rest=1.5), log)
-    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    f = Filtering(Given(model), record, np.zeros((1, len(log)), dtype=np.int64))
     wrong = checks(Explanation(f).filtered({"process.K": 2.85, "process.tau": 11.0}))
     assert max(map(abs, wrong.values())) > 6.0
 
@@ -262,7 +263,7 @@ def test_a_row_passed_in_one_step_leaves_what_scan_by_scan_leaves(site_record, m
     PV = log["PV"].copy()
     PV[400:430] = np.nan
     model, record = read(site_flow(rest=2.5), Log(log.t, {"SP": log["SP"], "PV": PV, "OP": log["OP"]}))
-    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    f = Filtering(Given(model), record, np.zeros((1, len(log)), dtype=np.int64))
     one = Explanation(f, effect(name), "process" if name == "dead_time" else "valve") if name else Explanation(f)
     steps = []
 
@@ -285,7 +286,7 @@ def test_a_stop_of_the_valve_far_away_needs_no_covariance_of_its_own(site_record
     # oracle: the covariance carried along from the beginning
     log = site_record("valve_saturation", "valve", low=0.0, high=56.0)
     model, record = read(site_flow(rest=1.5), log)
-    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    f = Filtering(Given(model), record, np.zeros((1, len(log)), dtype=np.int64))
     one = Explanation(f, effect("valve_saturation"), "valve")
     values = {"low": 0.0, "high": 56.0, "process.K": 3.0, "process.tau": 10.0}
     whole = one.filtered(values, exact=True)

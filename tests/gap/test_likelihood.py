@@ -9,9 +9,10 @@ from stickslip.diagram.inputs import close
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.filters.diagnosing import filtering_of
 from stickslip.gap.filters.filtering import Explanation
-from stickslip.gap.likelihood.frame import Frame, Given
+from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 

@@ -1,0 +1,130 @@
+"""What a model states, whatever it is held against; an effect that is in it already has sizes that are free."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.answers.report import Size
+from stickslip.gap.insertion.effect import Effect, Parameter
+from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
+
+SURE = 1.645  # standard deviations of an interval of 90 %
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """An ``effect`` at a ``place`` that is part of a model, its ``values``, and ``bounds`` of those that are free."""
+
+    effect: Effect
+    place: str
+    values: Mapping[str, float]
+    bounds: Mapping[str, tuple[float, float]]
+
+    def key(self, name: str) -> str:
+        """Return the name of a parameter among all that is free, which no other effect has."""
+        return f"{self.effect.block(self.place)}.{name}"
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """Its sizes that have a slope, by ``key`` -> (low, high)."""
+        known = [p.name for p in self.effect.parameters if p.smooth and math.isfinite(self.values[p.name])]
+        return {self.key(name): self.bounds[name] for name in known if name in self.bounds}
+
+    def sizes(self, values: Mapping[str, float], sd: Mapping[str, float]) -> dict[str, Size]:
+        """Return its sizes with intervals; ``values`` of what is free, and standard deviations, by ``key``."""
+        now = {name: values.get(self.key(name), size) for name, size in self.values.items()}
+        known = {name: sd[self.key(name)] for name in self.values if self.key(name) in sd}
+        return sizes(self.effect.parameters, now, known, self.bounds)
+
+
+def sizes(
+    parameters: Iterable[Parameter], values: Mapping[str, float], sd: Mapping[str, float],
+    bounds: Mapping[str, tuple[float, float]],
+) -> dict[str, Size]:  # fmt: skip
+    """Return the sizes of an effect with intervals of 90 % within bounds; one without a standard deviation is exact."""
+    found: dict[str, Size] = {}
+    for p in parameters:
+        value = float(values[p.name])
+        if p.nuisance or not math.isfinite(value):
+            continue
+        wide = SURE * sd.get(p.name, 0.0)
+        low, high = bounds.get(p.name, (value, value))
+        found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """What a ``model`` with its nuisances states; ``part`` an effect that was put into ``without``, None for none."""
+
+    model: Diagram
+    part: Part | None = None
+    without: "Given | None" = None
+
+    @property
+    def base(self) -> "Given":
+        """The model as it was given, without any effect."""
+        return self.without.base if self.without else self
+
+    @cached_property
+    def quiet(self) -> Diagram:
+        """The model without random numbers."""
+        return silenced(self.model)
+
+    @cached_property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return nuisances(self.model)
+
+    @cached_property
+    def unsure(self) -> dict[str, tuple[float, float]]:
+        """Parameters that are known within a tolerance only, and sizes of its part -> (low, high)."""
+        if self.part is None or self.without is None:
+            return known_within(self.quiet)
+        return self.without.unsure | self.part.free
+
+    @cached_property
+    def random(self) -> dict[str, tuple[float, float]]:
+        """What it states of noise and loads -> (low, high)."""
+        return stated_about(self.base.model)
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """All that can be fitted with every hypothesis -> (low, high)."""
+        return self.random | self.unsure
+
+    @cached_property
+    def stated(self) -> dict[str, float]:
+        """What the model states of all that is free."""
+        if self.part is None or self.without is None:
+            return stated(self.model, self.free)
+        return self.without.stated | {key: self.part.values[key.rpartition(".")[2]] for key in self.part.free}
+
+    def settings(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters of blocks, block.parameter -> value, that values of what is free stand for."""
+        if self.part is None or self.without is None:
+            return {key: values[key] for key in self.free if key in values}
+        p = self.part
+        own = {name: values.get(p.key(name), size) for name, size in p.values.items()}
+        return self.without.settings(values) | p.effect.settings(self.without.model, p.place, **own)
+
+    def places(self, effect: Effect) -> tuple[str, ...]:
+        """Return where an effect can be beside its part: where it would not change what the part changes."""
+        if self.part is None or self.without is None:
+            return effect.places(self.model)
+        p, before = self.part, self.without.model
+        mine = p.effect.settings(before, p.place, **p.values).keys()
+        return tuple(
+            place for place in self.without.places(effect)
+            if (effect.name, place) != (p.effect.name, p.place)
+            and not mine & effect.settings(before, place, **effect.nominal(before, place)).keys()
+        )  # fmt: skip
+
+    def with_part(
+        self, changed: Diagram, effect: Effect, place: str, values: Mapping[str, float], free: bool
+    ) -> "Given":
+        """Return the model with an effect of these values, whose blocks ``changed`` has; ``free``: its sizes are."""
+        there = changed.with_params(effect.settings(self.model, place, **values))
+        return Given(there, Part(effect, place, values, effect.bounds(self.model, place) if free else {}), self)

@@ -1,0 +1,46 @@
+"""What is said of one cause, or of two: effects, places, sizes, and what cannot be told apart from each."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from stickslip.gap.answers.report import Cause, Size, listed
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.telling.creep import about_creep
+
+
+class NamedCause(NamedTuple):
+    """An effect that is named at a place, its ``sizes``, and the names of ``others`` not told apart from it."""
+
+    effect: Effect
+    place: str
+    sizes: Mapping[str, Size]
+    others: tuple[str, ...]
+
+    def __str__(self) -> str:
+        sizes = [f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in self.sizes.items()]
+        return f"{self.effect.name} at {self.place}, {', '.join(sizes)}"
+
+    def stated(self, probability: float) -> Cause:
+        """Return the cause as a report states it."""
+        return Cause(self.effect.name, self.place, probability, self.others, self.sizes)
+
+
+def named_cause(same: Sequence[tuple[Effect, str]], sizes: Mapping[str, Size]) -> NamedCause:
+    """Return what is said of effects at places that are not told apart, the likeliest first, which has these sizes."""
+    effect, place = same[0]
+    others = tuple(dict.fromkeys(one.name for one, _ in same if one.name != effect.name))
+    return NamedCause(effect, place, sizes, others)
+
+
+def said_of(causes: Sequence[NamedCause]) -> list[str]:
+    """Return one cause, or two, in words."""
+    if len(causes) == 1:
+        words = [f"There is a gap. Place: {causes[0].place}. Cause: {causes[0]}."]
+    else:
+        words = [f"There is a gap with two causes: {'; and '.join(map(str, causes))}."]
+    words += [line for one in causes for line in about_creep(one.effect, one.sizes)]
+    words += [
+        f"From these signals {one.effect.name} cannot be told apart from {listed(one.others)}."
+        for one in causes if one.others
+    ]  # fmt: skip
+    return words
