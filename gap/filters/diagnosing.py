@@ -26,7 +26,7 @@ from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.effects.stiction import Stiction
 from stickslip.gap.filters import laws
 from stickslip.gap.filters.affine import NotAffine
-from stickslip.gap.filters.beside import firsts, with_effect
+from stickslip.gap.filters.beside import firsts, has_matrix, in_its_place, with_effect
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.filters.constant import constancy
 from stickslip.gap.filters.digits import coarse_sensor, compressed, few_levels
@@ -164,10 +164,21 @@ def outcome(
             both = _explained(with_effect(first), catalogue, seed, progress, stem, within)
         except NotAffine:
             continue
-        if both.same:
-            same = [one for one in alone.found if 0.0 <= total(one) - total(first) <= TIE]
+        if both.same and _named_together(alone.found[0], first, both.same):
+            same = in_its_place(first, both.same[0], alone.found, alone.plain.nll)
             return replace(both, plain=alone.plain, firsts=same)
     return alone
+
+
+def _named_together(best: Found, first: Found, second: Sequence[Found]) -> bool:
+    """Return whether two effects are named: the best single one has to be the first, or the second where it bends.
+
+    No generic rival of the second may be near: two effects have sizes enough to stand for one that no catalogue has.
+    """
+    one = best.best.explanation
+    there = has_matrix(one) or any((x.best.explanation.effect, x.best.explanation.place) == (one.effect, one.place)
+                                   for x in second)  # fmt: skip
+    return there and rival(second[0].best).behind >= CLEAR
 
 
 def _by_one(

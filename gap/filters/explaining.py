@@ -279,6 +279,6 @@ class _Pulse(Explanation):
     def wave(self, values):  # type: ignore[no-untyped-def]
         """Return the pulse."""
         f = self.filtering
-        found = np.zeros(f.scans)
-        found[self.row * f.every : (self.row + 1) * f.every] = self.size
+        found = super().wave(values)
+        found[self.row * f.every : (self.row + 1) * f.every] += self.size
         return found

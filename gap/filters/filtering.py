@@ -103,8 +103,9 @@ class Explanation:
     def _made(self, values: Mapping[str, float]) -> Scanned:
         f = self.filtering
         own = {name: values[name] for name in self.own}
-        random = f.given.random
-        params = {key: value for key, value in f.given.settings(values).items() if key not in random}
+        there = {b.name for b in self.changed.blocks}  # not a load that follows a plan, nor what draws random numbers
+        settings = f.given.settings(values)
+        params = {k: v for k, v in settings.items() if k not in f.given.random and k.rpartition(".")[0] in there}
         noise = tuple(_with_sizes(one, values) for one in f.noise)
         if isinstance(self.effect, SensorNoise):
             noisy = str(noise_of(f.model, f.model[self.place]))
@@ -122,8 +123,11 @@ class Explanation:
 
     @property
     def moved(self) -> str:
-        """The signal to which a planned load is added, "" for none."""
-        return str(self.filtering.quiet[self.place].output_labels[0]) if self.load else ""
+        """The signal to which planned loads are added, "" for none."""
+        places = {place for _, place, _ in self._plans(self.nominal)}
+        if len(places) > 1:
+            raise NotAffine("planned loads at two places")
+        return str(self.filtering.quiet[places.pop()].output_labels[0]) if places else ""
 
     @cached_property
     def near(self) -> dict[str, float]:
@@ -154,18 +158,29 @@ class Explanation:
             raise NotAffine("a characteristic needs an opening from 0 to 1")
         return values["rangeability"], 0.0
 
+    def _plans(self, values: Mapping[str, float]) -> list[tuple[Disturbance, str, Mapping[str, float]]]:
+        """Return the planned loads, its own and that which is part of the model, each with its place and values."""
+        part = self.filtering.given.part
+        found: list[tuple[Disturbance, str, Mapping[str, float]]] = []
+        if isinstance(self.effect, Disturbance):
+            found.append((self.effect, self.place, values))
+        if part is not None and isinstance(part.effect, Disturbance):
+            found.append((part.effect, part.place, part.now(values)))
+        return found
+
     def wave(self, values: Mapping[str, float]) -> Floats:
-        """Return the planned load at each scan, its mean until the next, (scans,)."""
-        f = self.filtering
-        if not self.load or values["amplitude"] == 0.0:
-            return np.zeros(f.scans)
-        if isinstance(self.effect, StepDisturbance):
-            share = np.clip((f.time + f.period - values["time"]) / f.period, 0.0, 1.0)
-            return np.asarray(values["amplitude"] * share)
-        t = f.time[:, None] + f.period * (np.arange(FINER) + 0.5) / FINER
-        turns = t / values["period"] + values["phase"]
-        plan = self.effect.plan(turns)  # type: ignore[union-attr]
-        return np.asarray(values["amplitude"] * plan.mean(axis=1))
+        """Return the planned loads at each scan, their mean until the next, (scans,)."""
+        f, total = self.filtering, np.zeros(self.filtering.scans)
+        for effect, _, own in self._plans(values):
+            if own["amplitude"] == 0.0:
+                continue
+            if isinstance(effect, StepDisturbance):
+                total += own["amplitude"] * np.clip((f.time + f.period - own["time"]) / f.period, 0.0, 1.0)
+                continue
+            t = f.time[:, None] + f.period * (np.arange(FINER) + 0.5) / FINER
+            plan = effect.plan(t / own["period"] + own["phase"])  # type: ignore[attr-defined]
+            total += own["amplitude"] * plan.mean(axis=1)
+        return total
 
     def filtered(
         self, values: Mapping[str, float], exact: bool | None = None, matrices: Scanned | None = None

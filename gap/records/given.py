@@ -26,6 +26,10 @@ class Part:
         """Return the name of a parameter among all that is free, which no other effect has."""
         return f"{self.effect.block(self.place)}.{name}"
 
+    def now(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the values of its parameters among all, those that are not there as they were fitted."""
+        return {name: values.get(self.key(name), size) for name, size in self.values.items()}
+
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
         """Its sizes that have a slope, by ``key`` -> (low, high)."""
@@ -34,9 +38,8 @@ class Part:
 
     def sizes(self, values: Mapping[str, float], sd: Mapping[str, float]) -> dict[str, Size]:
         """Return its sizes with intervals; ``values`` of what is free, and standard deviations, by ``key``."""
-        now = {name: values.get(self.key(name), size) for name, size in self.values.items()}
         known = {name: sd[self.key(name)] for name in self.values if self.key(name) in sd}
-        return sizes(self.effect.parameters, now, known, self.bounds)
+        return sizes(self.effect.parameters, self.now(values), known, self.bounds)
 
 
 def sizes(
@@ -107,8 +110,7 @@ class Given:
         if self.part is None or self.without is None:
             return {key: values[key] for key in self.free if key in values}
         p = self.part
-        own = {name: values.get(p.key(name), size) for name, size in p.values.items()}
-        return self.without.settings(values) | p.effect.settings(self.without.model, p.place, **own)
+        return self.without.settings(values) | p.effect.settings(self.without.model, p.place, **p.now(values))
 
     def places(self, effect: Effect) -> tuple[str, ...]:
         """Return where an effect can be beside its part: where it would not change what the part changes."""
