@@ -5,7 +5,6 @@ Everything it needs to go on later is in ``I`` and ``W``; it returns a ``Status`
 
 import numpy as np
 from numba import njit
-from stickslip.engine.call import pointer_to
 from stickslip.engine.crossing import crossing_ahead
 from stickslip.engine.dense import interpolate
 from stickslip.engine.events import begin_instant, fire_waiting, keep_inputs, next_stop, settle
@@ -65,15 +64,13 @@ OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS =
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-untyped-def]
-    """Integrate to ``t_end``; write ``rows`` of the log at the times ``grid``; those at ``t_end`` only if ``last``.
+def advance(I, W, EV, room, times, n_times, log, t_end, last):  # type: ignore[no-untyped-def]
+    """Integrate to ``t_end``; write the ``log`` at its ``times``; rows at ``t_end`` only if ``last``.
 
-    Resumable: call again with a later ``t_end``, or, when it has paused, after emptying the event ``buffer``.  All
-    arrays are contiguous; inside they are pointers, because handing an array on counts its references each time.
+    Resumable: call again with a later ``t_end``, or, when it has paused, after emptying the event buffer
+    ``EV``.  Arrays come as pointers (``entry.advance_to``): handing an array on counts its references each time.
     """
-    I, W = pointer_to(ints), pointer_to(floats)
-    EV, times, log = pointer_to(buffer), pointer_to(grid), pointer_to(rows)
-    I[N_TIMES], I[EV_ROOM] = grid.shape[0], buffer.shape[0]
+    I[N_TIMES], I[EV_ROOM] = n_times, room
     n = I[N_STATES]
     while True:
         current = I[FRESH] != 0  # after an instant signals and event functions are those of the present
@@ -90,8 +87,8 @@ def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-u
         if arrived:
             copy(W, I[O_Y0], I[O_X], n)
             return OK
-        room = I[EV_ROOM] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8  # what one instant may write
-        if I[EV_COUNT] >= room or I[STEPS] >= I[PAUSE_AT]:
+        most = room - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8  # but for what one instant may write
+        if I[EV_COUNT] >= most or I[STEPS] >= I[PAUSE_AT]:
             return PAUSED
         next_stop(I, W, t_end)
         if I[HAS_DELAYS]:

@@ -39,7 +39,6 @@ def banked(  # type: ignore[no-untyped-def]
     and of which particle each ``came`` behind a row (rows, particles).  Returned is a status.
     """
     n, m, q, particles, h = places.shape[1], len(shown), len(noisy), drawn.shape[1], len(hidden)
-    no_rows = np.empty((1, 0))
     # a run of its own for each, so that nothing is copied between rows
     mean_I, mean_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
     noisy_I, noisy_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
@@ -61,12 +60,12 @@ def banked(  # type: ignore[no-untyped-def]
         for j in range(particles):
             if row < 0:
                 there_I, there_W = noisy_I[j], noisy_W[j]
-                status = arrive(there_I, there_W, buffer, no_rows, times[k])
+                status = arrive(there_I, there_W, buffer, times[k])
                 if status != 0:
                     return status
                 for i in range(q):
                     there_W[noisy[i]] = there_W[noisy[i]] * phi[k, i] + sd[k, i] * drawn[k, j, i]
-                status = pass_instant(there_I, there_W, buffer, no_rows)
+                status = pass_instant(there_I, there_W, buffer)
                 if status != 0:
                     return status
                 read(there_W, places[1], theirs)
@@ -77,12 +76,12 @@ def banked(  # type: ignore[no-untyped-def]
                 restore(I, W, mean_I[j, :kept], mean_W[j, :saved])
                 here_I, here_W = I, W
             put(here_I, here_W, places[0], z[j])
-            status = arrive(here_I, here_W, buffer, no_rows, times[k])
+            status = arrive(here_I, here_W, buffer, times[k])
             if status != 0:
                 return status
             for i in range(q):
                 here_W[noisy[i]] *= phi[k, i]
-            status = pass_instant(here_I, here_W, buffer, no_rows)
+            status = pass_instant(here_I, here_W, buffer)
             if status != 0:
                 return status
             read(here_W, places[1], ahead[j])

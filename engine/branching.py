@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from stickslip.engine import layout as at
-from stickslip.engine.advance import CHATTERING, OK, PAUSED, advance
-from stickslip.engine.cache import ensure_compiled
+from stickslip.engine.advance import CHATTERING, OK, PAUSED
 from stickslip.engine.call import pointer_to
 from stickslip.engine.callback import raise_kept
+from stickslip.engine.entry import advance_to
 from stickslip.engine.events import fire, note, watch_rates
 from stickslip.engine.flat import Floats, Ints
 from stickslip.engine.floats import copy
@@ -117,22 +117,22 @@ def event_call(I, row):  # type: ignore[no-untyped-def]
     return place
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(cache=True, error_model="numpy")
 def run_branch(ints, floats, buffer, grid, rows, row, modes, which, t_end, last):  # type: ignore[no-untyped-def]
     """Advance on one branch: ``OWN``, or twice the number of a mode, and one more to hold the block in it."""
     I, W = pointer_to(ints), pointer_to(floats)
     if which == OWN:
-        return advance(ints, floats, buffer, grid, rows, t_end, last)
+        return advance_to(ints, floats, buffer, grid, rows, t_end, last)
     put_in_mode(I, W, pointer_to(buffer), row, modes[which // 2])
     if which % 2 == 0:
-        return advance(ints, floats, buffer, grid, rows, t_end, last)
+        return advance_to(ints, floats, buffer, grid, rows, t_end, last)
     place, count = event_call(I, row), I[row + NG]
     kernel = I[place]
     I[place], I[row + NG] = SKIPPED, 0  # its event functions stand still, and none of them fires
     for i in range(count):
         W[I[O_G] + I[row + G] + i] = W[I[O_G0] + I[row + G] + i] = -1.0
     watch_rates(I, W)
-    status = advance(ints, floats, buffer, grid, rows, t_end, last)
+    status = advance_to(ints, floats, buffer, grid, rows, t_end, last)
     I[place], I[row + NG] = kernel, count
     watch_rates(I, W)
     I[FRESH] = 2  # what has waited may happen now
@@ -149,7 +149,7 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
     return worst
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(cache=True, error_model="numpy")
 def run_from(  # type: ignore[no-untyped-def]
     ints,
     floats,
@@ -231,7 +231,7 @@ def advance_branching(  # type: ignore[no-untyped-def]
         I[PAUSE_AT] = FOR_EVER
         past_I[k % ring] = ints[:size]
         past_W[k % ring] = floats[:saved]
-        status = advance(ints, floats, buffer, grid, rows, stops[k], k == len(stops) - 1)
+        status = advance_to(ints, floats, buffer, grid, rows, stops[k], k == len(stops) - 1)
         if status != OK:
             return CHATTERING if status == PAUSED else status  # more events than there is room for
         own = measure(floats, past_W[k % ring], places, limits, change)
@@ -279,7 +279,6 @@ def run_branching(
     on_progress: Callable[[float], None] | None = None,
 ) -> tuple[Outcome, Kept]:
     """Advance a prepared component to ``t_end`` as ``run.run`` does, with branches; return what was kept, too."""
-    ensure_compiled()
     row = at.H + component.blocks.index(given.block) * at.R
     places = np.array([component.memory[b] for b in given.pins], dtype=np.int64)
     limits, change = np.array(given.limits), np.array(given.change)

@@ -40,7 +40,7 @@ def followed(  # type: ignore[no-untyped-def]
     Written are what the mean shows ``at_rows``, and what each signal ``missed`` once those before it are known.
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
-    no_rows, y, back = np.empty((1, 0)), np.empty(m), np.zeros(n + q)
+    y, back = np.empty(m), np.zeros(n + q)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     for k in range(len(times)):
         row = row_of[k]
@@ -49,12 +49,12 @@ def followed(  # type: ignore[no-untyped-def]
             base_I[:], base_W[:] = I[:kept], W[:saved]
             back[:n], back[n:] = z, 0.0
         put(I, W, places[0], z)
-        status = arrive(I, W, buffer, no_rows, times[k])
+        status = arrive(I, W, buffer, times[k])
         if status != 0:
             return status
         for j in range(q):
             W[noisy[j]] *= phi[k, j]
-        status = pass_instant(I, W, buffer, no_rows)
+        status = pass_instant(I, W, buffer)
         if status != 0:
             return status
         read(W, places[1], z)
@@ -110,7 +110,7 @@ def extended(  # type: ignore[no-untyped-def]
     those of stop k stand at ``which[k]``.
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
-    no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
+    nothing = np.full(m, np.nan)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
     stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
@@ -130,14 +130,14 @@ def extended(  # type: ignore[no-untyped-def]
             restore(I, W, base_I, base_W)
             moved = False
         put(I, W, places[0], z)
-        status = arrive(I, W, buffer, no_rows, times[k])
+        status = arrive(I, W, buffer, times[k])
         if status != 0:
             break
         for j in range(q):
             force[k, j] = W[noisy[j]]
             W[noisy[j]] *= phi[k, j]
         read(W, places[1], at_stop)
-        status = pass_instant(I, W, buffer, no_rows)
+        status = pass_instant(I, W, buffer)
         if status != 0:
             break
         read(W, places[1], behind)
@@ -168,7 +168,7 @@ def extended(  # type: ignore[no-untyped-def]
         if fresh:
             restore(I, W, base_I, base_W)
             put(I, W, places[0], z)
-            status = arrive(I, W, buffer, no_rows, times[k])
+            status = arrive(I, W, buffer, times[k])
             if status != 0:
                 break
             for j in range(q):

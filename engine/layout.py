@@ -18,6 +18,7 @@ N_SAMPLED = 5
 N_CHECKED = 6  # signals that must stay finite: all but those of hosted blocks, where NaN says "no value"
 N_JAC = 7  # entries of the Jacobian that can be other than zero
 N_FACTORS = 8  # and of its factors
+ENGINE = 9  # address of the compiled engine, ``cache.engine``
 # --- stretches of W -------------------------------------------------------------------------------------
 O_X = 10  # working state: what kernels read
 O_F = 11  # state rates: what der kernels write

@@ -6,13 +6,14 @@ parameters that hold a noise in force.  Everything else, clocks and counters inc
 
 import numpy as np
 from numba import njit
-from stickslip.engine.advance import advance
 from stickslip.engine.call import pointer_to
+from stickslip.engine.entry import call_advance
 from stickslip.engine.events import keep_inputs, watch_rates
 from stickslip.engine.flat import Floats, Ints
 from stickslip.engine.floats import copy
 from stickslip.engine.layout import (
     CURRENT,
+    ENGINE,
     EV_COUNT,
     EVENTS_SEEN,
     FRESH,
@@ -28,8 +29,6 @@ from stickslip.engine.layout import (
     T,
 )
 from stickslip.engine.sweep import signals
-
-NOT_LAST = np.bool_(False)  # for the literal False numba would compile the engine once more
 
 
 @njit(cache=True, error_model="numpy")
@@ -63,18 +62,26 @@ def read(floats, places, z):  # type: ignore[no-untyped-def]
         z[i] = floats[places[i]]
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
-def arrive(ints, floats, buffer, no_rows, t):  # type: ignore[no-untyped-def]
+@njit(inline="always", error_model="numpy")
+def arrive(ints, floats, buffer, t):  # type: ignore[no-untyped-def]
     """Advance a run to an instant, before anything happens there; return a status."""
-    ints[HOLD], ints[EV_COUNT] = 1, 0  # nobody reads the events
-    return advance(ints, floats, buffer, no_rows[0], no_rows, t, NOT_LAST)
+    ints[HOLD] = 1
+    return unlogged(ints, floats, buffer, t)
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
-def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
+@njit(inline="always", error_model="numpy")
+def pass_instant(ints, floats, buffer):  # type: ignore[no-untyped-def]
     """Let everything happen that is due at the present instant; return a status."""
-    ints[HOLD], ints[EV_COUNT] = 0, 0
-    return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], NOT_LAST)
+    ints[HOLD] = 0
+    return unlogged(ints, floats, buffer, floats[T])
+
+
+@njit(inline="always", error_model="numpy")
+def unlogged(ints, floats, buffer, t):  # type: ignore[no-untyped-def]
+    """Advance a run of which nobody reads events or rows of a log."""
+    ints[EV_COUNT] = 0
+    I, W = pointer_to(ints), pointer_to(floats)
+    return call_advance(I[ENGINE], I, W, pointer_to(buffer), len(buffer), W, 0, W, t, False)
 
 
 def kept_sizes(I: Ints) -> tuple[int, int]:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from stickslip.engine import layout as at
-from stickslip.engine.advance import advance
-from stickslip.engine.cache import ensure_compiled
+from stickslip.engine.cache import engine
 from stickslip.engine.callback import raise_kept
+from stickslip.engine.entry import advance_to
 from stickslip.engine.flat import FlatBlock, Floats, Ints
 from stickslip.engine.hosted import Hosts
 from stickslip.engine.status import Status
@@ -50,8 +50,8 @@ def prepare(component: Component, settings: Settings, t0: float, seen: float = -
 
     ``seen``: samples up to this time [s] have been taken before, by the run that this one continues.
     """
-    ensure_compiled()
     I, W = component.I.copy(), component.W.copy()
+    I[at.ENGINE] = engine()
     W[at.RTOL], W[at.ATOL], W[at.T] = settings.rtol, settings.atol, t0
     I[at.METHOD_WISH] = METHODS[settings.method]
     I[at.MAX_STEPS] = settings.max_steps
@@ -84,7 +84,7 @@ def run(
             hosted = hosts is not None and target == hosts.next_due(W)
             I[at.HOLD] = hosted
             I[at.PAUSE_AT] = I[at.STEPS] + _PAUSE
-            status = Status(advance(I, W, buffer, times, log, target, not hosted))
+            status = Status(advance_to(I, W, buffer, times, log, target, not hosted))
             events.append(buffer[: I[at.EV_COUNT]].copy())
             I[at.EV_COUNT] = 0
             raise_kept()

@@ -14,21 +14,20 @@ SAME = 1e-6  # share by which noise of two stops of one kind may differ: instant
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(inline="always", error_model="numpy")
 def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # type: ignore[no-untyped-def]
     """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
-    no_rows = np.empty((1, 0))
     restore(I, W, base_I, base_W)
     put(I, W, places[0], z)
-    status = arrive(I, W, buffer, no_rows, t)
+    status = arrive(I, W, buffer, t)
     if status != 0:
         return status
     for j in range(len(noisy)):
         W[noisy[j]] = W[noisy[j]] * phi[j] + drawn[j]
-    return pass_instant(I, W, buffer, no_rows)
+    return pass_instant(I, W, buffer)
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(cache=True, error_model="numpy")
 def slopes_at(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
     behind, y, A, B, H, G, turn,
@@ -43,7 +42,6 @@ def slopes_at(  # type: ignore[no-untyped-def]
     turn[:] = 0.0
     B[:, q] = 0.0
     G[:, q] = 0.0
-    no_rows = np.empty((1, 0))
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
     nothing = np.zeros(q)
     for i in range(n):
@@ -70,7 +68,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
             for way in range(2):
                 restore(I, W, stop_I, stop_W)
                 W[noisy[j]] = at_stop[at[j]] + (far if way == 0 else -far)
-                status = pass_instant(I, W, buffer, no_rows)
+                status = pass_instant(I, W, buffer)
                 if status != 0:
                     return status
                 read(W, places[1], up if way == 0 else down)
@@ -111,7 +109,7 @@ def same_kind(base, behind, floats, modes, kinds, known, times, phi, sd, k):  # 
     return -1
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(cache=True, error_model="numpy")
 def straight(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside,
     drawn,

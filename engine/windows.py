@@ -13,9 +13,10 @@ length zero from one cell to another.
 
 import numpy as np
 from numba import njit
-from stickslip.engine.advance import OK, PAUSED, advance
+from stickslip.engine.advance import OK, PAUSED
 from stickslip.engine.call import pointer_to
 from stickslip.engine.delay import SMOOTH, delayed
+from stickslip.engine.entry import advance_to
 from stickslip.engine.floats import copy
 from stickslip.engine.layout import (
     ATOL,
@@ -148,7 +149,7 @@ def set_back(ints, floats, saved_I, saved_W, cells, c):  # type: ignore[no-untyp
     ints[i + RHS], ints[i + JACOBIANS], ints[i + REJECTED] = rhs, jacobians, rejected
 
 
-@njit(inline="always", error_model="numpy")  # compiled by itself it would hold all of the engine
+@njit(cache=True, error_model="numpy")
 def run_cell(ints, floats, cells, c, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
     """Advance one cell over the window, its links out written anew; return a status."""
     i, w, first = cells[c, CELL_I], cells[c, CELL_W], cells[c, CELL_LOG]
@@ -158,7 +159,7 @@ def run_cell(ints, floats, cells, c, EV, times, log, t_end, last):  # type: igno
             ints[row + HEAD] = ints[row + TAIL] = ints[row + BREAK] = 0
     ints[i + PAUSE_AT] = np.iinfo(np.int64).max
     rows = log[first : cells[c + 1, CELL_LOG]]
-    status = advance(ints[i : cells[c + 1, CELL_I]], floats[w : cells[c + 1, CELL_W]], EV, times, rows, t_end, last)
+    status = advance_to(ints[i : cells[c + 1, CELL_I]], floats[w : cells[c + 1, CELL_W]], EV, times, rows, t_end, last)
     return TIGHT if status == PAUSED else status  # more events than there is room for
 
 

@@ -9,7 +9,7 @@ import pytest
 from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Ramp, Sine, Step, StickSlip
 from stickslip.diagram import WiringError, drive, simulate, wire
 from stickslip.engine import call
-from stickslip.engine.advance import advance
+from stickslip.engine.entry import advance_to
 
 
 def loop(F_s=2250.0, name="loop", **process):
@@ -76,11 +76,11 @@ def test_nothing_changes_a_diagram():
 
 def test_nothing_is_compiled_twice():
     simulate(loop(), 1.0)
-    signatures, kernels = len(advance.signatures), len(call._known)
+    signatures, kernels = len(advance_to.signatures), len(call._known)
     simulate(loop(1750.0), 1.0)
     simulate(wire([Step("SP", 0.1), open_loop("a"), open_loop("b")]), 1.0, rtol=1e-8, method="stiff")
     simulate(loop(theta=1.0), 1.0, params={"process.K": 2.0})
-    assert len(advance.signatures) == signatures == 1
+    assert len(advance_to.signatures) == signatures == 1
     assert len(call._known) == kernels
 
 

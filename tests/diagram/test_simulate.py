@@ -15,7 +15,7 @@ from stickslip.diagram import WiringError, simulate, wire
 from stickslip.diagram.coarse import ToleranceWarning
 from stickslip.diagram.ensembles import ensemble
 from stickslip.diagram.reference import simulate_reference
-from stickslip.engine.advance import advance
+from stickslip.engine.entry import advance_to
 from stickslip.plant.loops import self_regulating_loop
 
 
@@ -117,7 +117,7 @@ NUMBERS = [10, np.int32(10), np.float32(10.0), np.longdouble(10.0), np.array(10)
 @pytest.mark.parametrize("ten", NUMBERS, ids=lambda ten: type(ten).__name__)
 def test_numbers_of_every_kind_run_on_the_engine_there_is(ten):
     expected = simulate(LAG, 10.0, every=1.0).log["PV"]
-    compiled = len(advance.signatures)
+    compiled = len(advance_to.signatures)
     one, zero = ten // ten, ten - ten
     runs = [
         simulate(LAG, ten, every=one, t0=zero),
@@ -130,7 +130,7 @@ def test_numbers_of_every_kind_run_on_the_engine_there_is(ten):
         assert run.log.t.dtype == np.float64
     spread = ensemble(LAG, ten, params={"process.K": [one, one]}, every=one)
     assert spread.values["PV"][0] == pytest.approx(0.5 * expected, rel=1e-5)
-    assert len(advance.signatures) == compiled
+    assert len(advance_to.signatures) == compiled
 
 
 # --- some signals, and no more than the memory holds --------------------------------------------------------------
