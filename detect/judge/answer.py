@@ -48,7 +48,7 @@ PERCENT = "% of OP"
 SAMPLES_MIN = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
 # probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
-LEVEL = 0.97
+LEVEL = 0.99
 LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood does
 # not stand in for it: a load hides OP from PV in many loops whose valve works.
