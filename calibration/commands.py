@@ -24,7 +24,7 @@ class Source:
     loops: int
 
 
-# What is learnt from: to fit a network from nothing, to go on with that one, trees, and the calibration.
+# What is learnt from: to fit a network from nothing, to go on with that one, and the judge.
 FIRST = (
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
     Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
@@ -35,10 +35,7 @@ AGAIN = (
     Source("creeping", 70_100, "usual", 2_000),
 )  # fmt: skip
 PASSES = 4  # over the loops of ``AGAIN``
-TREES = (
-    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 2000),
-)  # fmt: skip
-HOLDING = (Source("crossed", 30, "usual", 1000), Source("training", 84_220, "usual", 1000))
+JUDGE = (Source("crossed", 11, "usual", 3000), Source("training", 84_200, "usual", 1000))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -82,10 +79,7 @@ def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) 
 
 
 @click.command()
-@click.option("--loops", type=click.IntRange(min=1), default=_total(TREES), show_default=True, help="for the trees")
-@click.option(
-    "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
-)
+@click.option("--loops", type=click.IntRange(min=1), default=_total(JUDGE), show_default=True, help="for the judge")
 @click.option(
     "--network", type=click.IntRange(min=0), default=None,
     help=f"to fit the network on, by PyTorch; default: {_total(FIRST):,}, with --begun {_total(AGAIN):,}; 0: none, "
@@ -95,7 +89,6 @@ def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) 
     "--begun", type=click.Path(exists=True, dir_okay=False, path_type=Path), default=None,
     help="network to go on from; default: from nothing",
 )  # fmt: skip
-@click.option("--trees", type=click.IntRange(min=10), default=120, show_default=True, help="of the accusing part")
 @click.option(
     "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
 )
@@ -104,8 +97,7 @@ def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) 
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, holding: int, network: int | None, begun: Path | None, trees: int, folder: Path, out: Path | None,
-    workers: int | None,
+    loops: int, network: int | None, begun: Path | None, folder: Path, out: Path | None, workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
     from stickslip.calibration.network import MISSING
@@ -116,12 +108,9 @@ def train(
         raise click.UsageError(MISSING)
     if network != 0:
         _network(folder, network or _total(FIRST if begun is None else AGAIN), begun, workers)
-    fitted = _tables(folder, TREES, loops, workers)
-    held = _tables(folder, HOLDING, holding, workers)
-    model = fit(fitted, held, click.echo, trees=trees)
+    model = fit(_tables(folder, JUDGE, loops, workers), click.echo)
     file = out or FILE
     model.write(file)
-    click.echo(f"{file}: {file.stat().st_size / 1e3:.0f} kB")
     click.echo(f"stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}")
 
 

@@ -9,15 +9,16 @@
 A record that shows too little for any feature is never called sticky; it counts with the probability 0.5.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.records import Table
-from stickslip.detect.judge.model import Model
+from stickslip.detect.judge.model import Model, Opinion
 
-__all__ = ["auc", "calibration_error", "estimates", "score"]
+__all__ = ["auc", "calibration_error", "estimates", "opinions", "score"]
 
 Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -45,15 +46,22 @@ def calibration_error(p: Values, sticky: Flags, bins: int = 10) -> float:
     return float(sum(abs(float(np.sum(sticky[at == k] - p[at == k]))) for k in range(bins)) / len(p))
 
 
+def opinions(model: Model, t: Table) -> list[Opinion | None]:
+    """What the model says of each record; None of one that shows nothing."""
+    names = t.names.tolist()
+    rows = zip(t.x, t.seen, strict=True)
+    return [model.judge(dict(zip(names, x.tolist(), strict=True))) if seen else None for x, seen in rows]
+
+
 def estimates(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
-    """p(stiction) (n,), whether stiction is called, S and J (n,) [% of OP]."""
-    p = np.full(len(t), 0.5)
-    S, J = np.full(len(t), np.nan), np.full(len(t), np.nan)
-    if t.seen.any():
-        x = t.x[t.seen]
-        p[t.seen] = model.probabilities(x)[0]
-        S[t.seen] = np.exp(model.sizes(x, "S")[:, 1]) * t.unit[t.seen]
-        J[t.seen] = np.minimum(np.exp(model.sizes(x, "J")[:, 1]) * t.unit[t.seen], S[t.seen])
+    """p(stiction) (n,), whether stiction is called, S and J (n, 3) [% of OP]: value, low, high."""
+    said = opinions(model, t)
+    p = np.array([0.5 if one is None else one.probability for one in said])
+    nothing = (math.nan,) * 3
+    S, J = (
+        np.array([nothing if one is None else getattr(one, which) for one in said]).reshape(-1, 3) * t.unit[:, None]
+        for which in ("S", "J")
+    )
     return p, (p >= model.accuse) & t.seen, S, J
 
 
@@ -63,7 +71,7 @@ def score(model: Model, t: Table) -> dict[str, Any]:
     sticky = t.sticky
     hit = called & sticky
     S_true, J_true = t.truth["S"].astype(float), t.truth["J"].astype(float)
-    inside = _inside(model, t.rows(t.seen & sticky))
+    bad = t.seen & sticky
     group = t.truth["group"]
     quiet = t.seen & (p <= model.clear)
     return {
@@ -72,10 +80,10 @@ def score(model: Model, t: Table) -> dict[str, Any]:
         "false_alarm": float(np.mean(called[~sticky])),
         "coverage": float(np.mean(called[sticky])),
         "calibration_error": calibration_error(p, sticky),
-        "s_error": float(np.nanmedian(np.abs(S[hit] / S_true[hit] - 1))) if hit.any() else None,
-        "j_error": float(np.nanmedian(np.abs(J[hit] / J_true[hit] - 1))) if hit.any() else None,
-        "s_inside": inside[0],
-        "j_inside": inside[1],
+        "s_error": float(np.nanmedian(np.abs(S[hit, 0] / S_true[hit] - 1))) if hit.any() else None,
+        "j_error": float(np.nanmedian(np.abs(J[hit, 0] / J_true[hit] - 1))) if hit.any() else None,
+        "s_inside": _inside(S[bad], S_true[bad]),
+        "j_inside": _inside(J[bad], J_true[bad]),
         "quiet_others": float(np.mean(quiet[~sticky])),
         "quiet_sticky": float(np.mean(quiet[sticky])),
         "by_group": {
@@ -88,21 +96,16 @@ def score(model: Model, t: Table) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _inside(model: Model, bad: Table) -> tuple[float, float]:
-    """Share of the sticky loops whose S (J) lies inside its 90 % interval."""
-    shares = []
-    for which in ("S", "J"):
-        q = model.sizes(bad.x, which)
-        true = np.log(bad.truth[which].astype(float) / bad.unit)
-        shares.append(float(np.mean((true >= q[:, 0]) & (true <= q[:, 2]))))
-    return shares[0], shares[1]
+def _inside(size: Values, true: Values) -> float:
+    """Share of true sizes (n,) that lie inside their 90 % interval, (n, 3)."""
+    return float(np.mean((true >= size[:, 1]) & (true <= size[:, 2])))
 
 
 def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
     """Share found of the sticky loops by OP's travel over S, process, J over S, cycle and points a turn."""
     sticky = t.sticky
     travel, ratio = t.truth["travel"].astype(float), t.truth["J"].astype(float) / t.truth["S"].astype(float)
-    points = t.x[:, t.names.tolist().index("travel_between")]
+    points = np.exp(t.x[:, t.names.tolist().index("samples")])
     sets = {
         "travel below 1.2 S": travel < 1.2, "travel 1.2 to 2 S": (travel >= 1.2) & (travel < 2),
         "travel 2 to 3 S": (travel >= 2) & (travel < 3), "travel above 3 S": travel >= 3,
@@ -123,8 +126,8 @@ def _baselines(t: Table) -> Mapping[str, float]:
     names = t.names.tolist()
     found = {"always sticky: false alarms": 1.0}
     for label, feature in (
-        ("network", "network_sticky"), ("gain in nats", "travel_gain"), ("a bent line", "travel_bent"),
-        ("samples a turn", "travel_between"), ("turns", "travel_turned"), ("rows", "travel_rows"),
+        ("network", "network_sticky"), ("gain in nats", "dead_travel"), ("samples a turn", "samples"),
+        ("turns", "turns"),
     ):  # fmt: skip
         x = t.x[:, names.index(feature)]
         ok = np.isfinite(x)

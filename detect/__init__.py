@@ -24,7 +24,6 @@ from types import ModuleType
 from stickslip.detect.card import Card
 from stickslip.detect.comparison import Comparison, compare
 from stickslip.detect.diagnosis import Diagnosis, diagnose
-from stickslip.detect.judge.combine import Weight, WeightedVote
 from stickslip.detect.method import Method
 from stickslip.detect.methods import (
     area_ratio,
@@ -74,8 +73,6 @@ __all__ = [
     "Method",
     "Survey",
     "Verdict",
-    "Weight",
-    "WeightedVote",
     "compare",
     "diagnose",
     "survey",

@@ -56,7 +56,7 @@ class Card:
     kind : {"detector", "gate"}
         Gates answer whether the loop oscillates, detectors whether the valve sticks.
     experimental : bool
-        Whether the method is still on trial: ``diagnose`` shows its answer, marked, and gives it no vote.
+        Whether the method is still on trial: ``diagnose`` shows its answer, marked.
 
     >>> Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no").kind
     'detector'

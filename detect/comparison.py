@@ -12,8 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
-from stickslip.detect.diagnosis import ask, found_on
-from stickslip.detect.judge.combine import Combine
+from stickslip.detect.diagnosis import ask
+from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.method import Method
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Verdict
@@ -150,7 +150,6 @@ class Comparison(Shown):
 def compare(
     source: Source | Iterable[Source],
     methods: Sequence[Method] | None = None,
-    combine: Combine | None = None,
     process: Process | None = None,
     loops: Sequence[str] | None = None,
 ) -> Comparison:
@@ -158,7 +157,7 @@ def compare(
 
     Parameters: ``source`` a record or a prepared one; anything with ``loop_records()``, as a log and a case of
     ``cases`` have; a file or a data frame (pandas, polars, pyarrow) with one loop or several; a folder, whose CSV, text
-    and Parquet files are read; or several of these. ``methods``, ``combine`` as for ``diagnose``; ``process`` the kind
+    and Parquet files are read; or several of these. ``methods`` as for ``diagnose``; ``process`` the kind
     of process behind loops that are read from files and frames; ``loops`` the tags of those to take, by default all.
 
     Raises ReadError for a file that cannot be read, a folder without any loop and a tag that no loop has, TypeError for
@@ -181,7 +180,7 @@ def compare(
     for module in ("optimize", "special"):  # loaded here, or the first method would be charged with it
         import_module(f"scipy.{module}")
 
-    return Comparison(tuple(_judged(record, methods, combine) for record in records), skipped)
+    return Comparison(tuple(_judged(record, methods) for record in records), skipped)
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -208,7 +207,7 @@ def harmless(cell: str) -> str:
     return cell
 
 
-def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: Combine | None) -> Judged:
+def _judged(record: LoopRecord | Prepared, methods: Sequence[Method]) -> Judged:
     began = time.perf_counter()
     loop = Prepared(record) if isinstance(record, LoopRecord) else record
     _prepare(loop)
@@ -219,7 +218,7 @@ def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: C
         verdicts.append(ask(method, loop))
         spent.append(1e3 * (time.perf_counter() - began))
     name = loop.record.name or "loop"
-    word = found_on(loop, verdicts, combine).word
+    word = answer_over_days(loop).word
     return Judged(name, word, tuple(verdicts), tuple(spent), preparation, len(loop.record))
 
 

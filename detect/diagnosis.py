@@ -9,12 +9,8 @@ from typing import TYPE_CHECKING, Any
 from stickslip.detect.chances import chance
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
-from stickslip.detect.judge.combine import Combine
 from stickslip.detect.judge.grounds import Picture
 from stickslip.detect.judge.over_days import answer_over_days
-from stickslip.detect.judge.pooled import pooled
-from stickslip.detect.judge.voted import beside, voted
-from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.method import Method
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.harris import Harris
@@ -29,7 +25,7 @@ from stickslip.logs.shown import Shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose", "found_on", "found_on_all"]
+__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
 
 SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
@@ -43,7 +39,7 @@ class Diagnosis(Shown):
     verdict : as in ``Verdict``
     probability : float or None
         Probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the record
-        was refused, the stem was logged, PV itself shows that the valve slips, or ``combine`` was given.
+        was refused, the stem was logged, or PV itself shows that the valve slips.
     causes : mapping of name to float
         Probability of each cause [-], largest first; "stiction" is one of them.
     amount : mapping of "S" and "J" to Amount, or None
@@ -135,18 +131,14 @@ class Diagnosis(Shown):
 
 
 @one_thread
-def diagnose(
-    record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None, combine: Combine | None = None
-) -> Diagnosis:
+def diagnose(record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None) -> Diagnosis:
     """Judge one loop: a record, or a frame of pandas, polars or pyarrow.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
     default all of ``stickslip.detect.METHODS``. Their answers are for comparison. The verdict is the calibrated one
-    (``judge.answer``), here and everywhere. If ``combine`` is given, such as a ``WeightedVote``, the methods vote
-    instead, and a method whose card says ``experimental`` has no vote.
+    (``judge.answer``), here and everywhere.
 
-    Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
-    no word of a verdict.
+    Raises TypeError for a method without ``detect``, or whose answer is no Verdict.
 
     >>> import numpy as np
     >>> t = np.arange(1000.0)
@@ -160,10 +152,7 @@ def diagnose(
     loop = prepared(record)
     record = loop.record
     verdicts = tuple(ask(method, loop) for method in (METHODS if methods is None else methods))
-    found = found_on(loop, verdicts, combine)
-    reason = found.reason
-    if combine is None:
-        reason = " ".join([WORDS[found.word].sentence, reason, beside(verdicts)]).strip()
+    found = answer_over_days(loop)
     return Diagnosis(
         loop=record.name,
         verdict=found.word,
@@ -171,7 +160,7 @@ def diagnose(
         causes=found.causes,
         amount=_amount(found),
         detection_limit=found.limit,
-        reason=reason,
+        reason=" ".join([WORDS[found.word].sentence, found.reason, _beside(verdicts)]).strip(),
         action=found.action,
         assumptions=_assumptions(loop, found),
         methods=verdicts,
@@ -183,16 +172,6 @@ def diagnose(
         because=found.because,
         picture=found.picture,
     )
-
-
-def found_on(loop: Prepared, verdicts: Sequence[Verdict], combine: Combine | None) -> Answer:
-    """The answer on a loop: the calibrated one, or what ``combine`` makes of the verdicts of the methods."""
-    return answer_over_days(loop) if combine is None else voted(verdicts, combine, loop.record.mv is not None)
-
-
-def found_on_all(loops: Sequence[Prepared], answers: Sequence[Answer], evidence: Evidence | None) -> Answer:
-    """The answer on one valve from its records, what is said of each, and what they add up to."""
-    return pooled(loops, answers, evidence)
 
 
 def _amount(found: Answer) -> dict[str, Amount] | None:
@@ -218,6 +197,19 @@ def ask(method: Method, loop: Prepared) -> Verdict:
     draw = verdict.draw or getattr(method, "draw", None)
     on_trial = verdict.experimental or getattr(getattr(method, "CARD", None), "experimental", False)
     return replace(verdict, draw=draw, experimental=on_trial)
+
+
+def _beside(verdicts: Sequence[Verdict]) -> str:
+    """One sentence on what the methods that could look say: how many of each verdict, and which accuse; "" for none."""
+    verdicts = [v for v in verdicts if v.applicable]
+    if not verdicts:
+        return ""
+    accusing = [v.method for v in verdicts if v.verdict == "stiction"]
+    names = f" ({', '.join(accusing)})" if accusing else ""
+    counts = [f"{said.counted(n)}{names if word == 'stiction' else ''}" for word, said in WORDS.items()
+              if (n := sum(v.verdict == word for v in verdicts))]  # fmt: skip
+    plural = "s" if len(verdicts) > 1 else ""
+    return f"Of {len(verdicts)} method{plural} that could look, {', '.join(counts)}."
 
 
 def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:

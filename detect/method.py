@@ -17,8 +17,7 @@ class Method(Protocol):
     """A module or any other object with these two names; it need not belong to this package.
 
     Optional beside them: ``draw(verdict, figure)``, the picture of its evidence, and for streaming ``Params``,
-    ``init``, ``update`` and ``verdict`` (see ``stream``). A method whose card says ``experimental`` is shown,
-    but has no vote.
+    ``init``, ``update`` and ``verdict`` (see ``stream``). A method whose card says ``experimental`` is shown, marked.
 
     >>> from stickslip.detect.methods import area_ratio
     >>> isinstance(area_ratio, Method)

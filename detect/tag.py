@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from stickslip.detect.diagnosis import Diagnosis, found_on, found_on_all
+from stickslip.detect.diagnosis import Diagnosis
 from stickslip.detect.judge.answer import Answer
-from stickslip.detect.judge.pooled import evidence_of_all
+from stickslip.detect.judge.over_days import answer_over_days
+from stickslip.detect.judge.pooled import evidence_of_all, pooled
 from stickslip.detect.likelihood.pooled import Day, Evidence
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.verdict import Word
@@ -112,9 +113,9 @@ def judge_tag(tag: str, records: Sequence[Any], answers: Sequence[Answer | Diagn
     loops = [prepared(record) for record in records]
     if not loops:
         raise ValueError(f"records of {tag} is empty; give at least one")
-    known = [found_on(loop, (), None) for loop in loops] if answers is None else [_answer(a) for a in answers]
+    known = [answer_over_days(loop) for loop in loops] if answers is None else [_answer(a) for a in answers]
     evidence, counted = evidence_of_all(loops)
-    found = found_on_all(loops, known, evidence)
+    found = pooled(loops, known, evidence)
     names = tuple(_name(one, i) for i, one in enumerate(loops))
     return Tag(tag, names, found, tuple(a.word for a in known), evidence, counted)
 

@@ -61,7 +61,7 @@ class Verdict(Shown):
     OP span]; None for methods that only detect; ``evidence`` (mapping of name to array or float) What the method's plot
     shows; arrays are made read-only; ``draw`` (function (verdict, figure), optional) Draws the evidence; without one
     the plot shows the reason in words; ``experimental`` (bool) Whether the method is still on trial: its answer is
-    shown, but has no vote in a diagnosis.
+    shown, marked.
 
     Raises ``VerdictError`` if a verdict and its fields contradict each other.
 

@@ -9,9 +9,8 @@ from typing import Any
 from stickslip.calibration.crossed.drawing import Drawn, draw
 from stickslip.calibration.crossed.history import seen
 from stickslip.detect.judge.answer import answer
-from stickslip.detect.judge.features import view_of
+from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import usable
-from stickslip.detect.judge.features.network import network_features
 from stickslip.detect.judge.model import calibrated
 from stickslip.detect.prepare.prepared import Prepared
 
@@ -47,7 +46,7 @@ def judged(run: Run) -> dict[str, Any]:
         "cause": next(iter(said.causes), ""),
     }  # fmt: skip
     if view is not None and said.probability is not None:
-        row["p_learnt"] = calibrated().judge(network_features(view)).probability
+        row["p_learnt"] = calibrated().judge(features_of(loop, view) | {"dead_travel": math.nan}).probability
     found = loop.dead_travel if usable(loop) else None
     if found is not None:
         row |= {

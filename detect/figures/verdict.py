@@ -28,7 +28,7 @@ def plot_verdict(v: Verdict) -> Figure:
 
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
-    standing = " (experimental, no vote)" if v.experimental else ""
+    standing = " (on trial)" if v.experimental else ""
     figure.suptitle(f"{v.method}: {WORDS[v.verdict].spoken}{standing}{reason}", x=0.01, ha="left", fontsize=9)
     draw_evidence(v, figure)
     return figure

@@ -1,1 +1,1 @@
-"""One answer from the verdicts of many methods: how they are combined, and what to do next."""
+"""One answer for a loop or a valve: what is seen, what is probable, how large it is, and what to do next."""

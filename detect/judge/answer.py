@@ -41,18 +41,18 @@ from stickslip.detect.words import Word
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 
-UNLIKE_SHARE = 0.1  # share of features beyond all simulated ones from which on nothing is concluded
+FAR = 2.0  # distance from the loops learnt from, over that of 95 % of them, from which on nothing is concluded
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 PERCENT = "% of OP"
 SAMPLES_MIN = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
 # probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
-LEVEL = 0.97
+LEVEL = 0.99
 LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood does
 # not stand in for it: a load hides OP from PV in many loops whose valve works.
-SILENT = 0.02
+SILENT = 0.01
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
@@ -143,11 +143,7 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     opinion = model.judge(found)
     evidence = loop.dead_travel if usable(loop) else None
     if still is not None and still.means == "sticks":
-        if (
-            opinion.causes["dead_loop"] >= SILENT
-            or opinion.unlike > UNLIKE_SHARE
-            or opinion.probability >= model.accuse
-        ):
+        if opinion.causes["dead_loop"] >= SILENT or opinion.far > FAR or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
     said = _judged(loop, view, found, opinion, model, evidence)
@@ -247,8 +243,11 @@ def _shortcoming(view: View, said: Opinion) -> str:
     """Why the model's probability settles nothing on this record; "" where it may."""
     if len(view) < 2.0 * view.turn:
         return "OP never turns back; a one-way drift proves nothing, because a load ramp looks the same."
-    if said.unlike > UNLIKE_SHARE:
-        return f"{said.unlike:.0%} of the features lie beyond those of every simulated loop, so nothing is concluded."
+    if said.far > FAR:
+        return (
+            f"In samples a turn, turns and S the record lies {said.far:.1f} times as far out as 95 % of the loops that "
+            "were learnt from, so nothing is concluded."
+        )
     return ""
 
 

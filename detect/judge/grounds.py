@@ -1,17 +1,14 @@
 """Why the model says what it says: the kinds of evidence that moved its log odds most, in words with their numbers.
 
-    weight of a kind of evidence = sum of the shares of its features in the log odds (``model.Model.shares``)
+    weight of a kind of evidence = its share in the log odds (``model.Model.shares``), which is exact: they are a sum
 
 Only what speaks for the verdict is said, the weightiest first, with the picture that shows it.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
-
-from stickslip.detect.judge.features.dead_travel import MOST
 
 __all__ = ["Ground", "Picture", "grounds"]
 
@@ -30,21 +27,17 @@ class Ground(NamedTuple):
 def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Ground, ...]:
     """The reasons for a verdict: the kinds of evidence that moved the log odds its way.
 
-    ``found`` features by name [-]; ``shares`` of them in the log odds [-]; ``sticks`` what the verdict says.
+    ``found`` features by name; ``shares`` of them in the log odds [-]; ``sticks`` what the verdict says.
 
-    >>> features = {"travel_gain": 40.0, "network_sticky": 2.0}
-    >>> (only,) = grounds(features, {"travel_gain": 1.5, "network_sticky": -0.2}, True)
+    >>> features = {"dead_travel": 40.0, "network_sticky": 2.0}
+    >>> (only,) = grounds(features, {"dead_travel": 1.5, "network_sticky": -0.2}, True)
     >>> only.words, only.picture
     ('A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).', 'dead_travel')
     """
     sign = 1.0 if sticks else -1.0
-    weights = {
-        kind: sign * math.fsum(share for name, share in shares.items() if name.startswith(starts))
-        for kind, (starts, _) in KINDS.items()
-    }
-    first = sorted((kind for kind, weight in weights.items() if weight >= LEAST), key=lambda kind: -weights[kind])
+    first = sorted((name for name in KINDS if sign * shares[name] >= LEAST), key=lambda name: -sign * shares[name])
     return tuple(
-        Ground(f"{kind(found, sticks)} (log odds {sign * weights[kind]:+.1f}).", KINDS[kind][1]) for kind in first
+        Ground(f"{KINDS[name][0](found, sticks)} (log odds {shares[name]:+.1f}).", KINDS[name][1]) for name in first
     )
 
 
@@ -54,23 +47,13 @@ def _learnt(found: Found, sticks: bool) -> str:
 
 
 def _travel(found: Found, sticks: bool) -> str:
-    gain = found.get("travel_gain", math.nan)
-    if not math.isfinite(gain):
-        return "The record is one of those in which dead travel cannot be weighed"
-    more = "more than " if abs(gain) >= MOST else ""
+    gain = found["dead_travel"]
     if gain > 0.0:
-        return f"A stem with dead travel predicts PV better than every rival, by {more}{gain:.0f} nats"
-    return f"No stem with dead travel predicts PV better than the best rival; it lacks {more}{-gain:.0f} nats"
+        return f"A stem with dead travel predicts PV better than every rival, by {gain:.0f} nats"
+    return f"No stem with dead travel predicts PV better than the best rival; it lacks {-gain:.0f} nats"
 
 
-def _process(found: Found, sticks: bool) -> str:
-    known = found.get("process_integrates", math.nan)
-    if not math.isfinite(known):
-        return "Whether PV integrates is not known"
-    return "PV integrates, as that of a level" if known else "PV settles by itself after a step of OP"
-
-
-KINDS: Mapping[Callable[[Found, bool], str], tuple[str, Picture]] = {
-    _learnt: ("network_", "learnt"), _travel: ("travel_", "dead_travel"), _process: ("process_", ""),
+KINDS: Mapping[str, tuple[Callable[[Found, bool], str], Picture]] = {
+    "network_sticky": (_learnt, "learnt"), "dead_travel": (_travel, "dead_travel"),
 }  # fmt: skip
-"""What says each kind of evidence, with what the names of its features start, and what shows it."""
+"""What says each kind of evidence, by its feature, and what shows it."""

@@ -1,13 +1,17 @@
-"""The calibrated model: from the features of a record to probabilities of causes and to S and J with intervals.
+"""The calibrated judge: from what a record shows to probabilities of causes and to S and J with intervals.
 
-    p(stiction)        = 1 / (1 + exp(-(a z + b))),   z the sum of the boosted trees "sticky"
-    p(cause)           = (1 - p(stiction)) softmax(z_cause),   for every other cause, from the trees "others"
-    ln(S / OP travel)  what the network says, and to it quantiles of 5, 50 and 95 % of its error from the trees "S", the
-                       outer two widened; J likewise
+    logit p(stiction) = base + learnt s / max(1, d) + evidence sign(G) ln(1 + |G| / ``NATS``)
+    p(cause)          = (1 - p(stiction)) times the network's share of that cause among all others
+    ln(S / OP travel) = what the network says, or where dead travel gains ten nats the mean of that and of the likeliest
+                        S, and to it three quantiles of its error;  J as the network says, likewise
 
-The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  Trees, a, b,
-limits and widths come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``,
-an open ``numpy`` archive; a, b, limits and widths from other seeds than the trees.
+s is the network's log odds of a stick and G the gain of dead travel [nats], 0 where it cannot be weighed.  d is how far
+the record lies from the loops that were learnt from, in samples a turn of OP, turns, and S over OP's travel (distance
+of Mahalanobis), over the distance within which 95 % of these lie.  So the learnt odds fall back as the record leaves
+what was learnt, and the evidence, which nothing has to learn, keeps its weight.
+
+The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  All numbers
+come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``, plain JSON.
 """
 
 from __future__ import annotations
@@ -15,22 +19,22 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from stickslip.detect.judge.trees import Trees
 
-__all__ = ["FILE", "SCHEMA", "Model", "Opinion", "calibrated"]
+__all__ = ["FILE", "PLACE", "SCHEMA", "SEEN", "Model", "Opinion", "calibrated", "ln_size", "weighed"]
 
 Values = npt.NDArray[np.float64]
-FILE = Path(__file__).with_name("calibration.npz")
-SCHEMA = "stickslip.calibration.model/2"
-TREES = ("sticky", "others", "S", "J")
-FAR_SHARE = 0.2  # share of features beyond all simulated ones from which on the model knows nothing
+FILE = Path(__file__).with_name("calibration.json")
+SCHEMA = "stickslip.calibration.model/3"
+NATS = 5.0  # up to which a gain counts in full; more of them tell less and less
+SEEN = ("network_sticky", "dead_travel")  # features that the odds are made of
+PLACE = ("samples", "turns", "network_S")  # and those that the distance is measured in
 
 
 @dataclass(frozen=True)
@@ -39,13 +43,13 @@ class Opinion:
 
     causes : probability of each cause [-], they sum to 1, largest first
     S, J : (median, low, high) over OP's travel [-], should the valve stick; interval of 90 %
-    unlike : share of the features that lie beyond those of all simulated records [-]
+    far : distance from the loops learnt from, over that of 95 % of them [-]
     """
 
     causes: dict[str, float]
     S: tuple[float, float, float]
     J: tuple[float, float, float]
-    unlike: float
+    far: float
 
     @property
     def probability(self) -> float:
@@ -53,102 +57,90 @@ class Opinion:
         return self.causes["stiction"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Model:
-    """Trees and the numbers beside them; see the module.
+    """The numbers of the judge; see the module.
 
-    names : of the features, in order
-    causes : other than stiction, in the order of the trees "others"
-    trees : by name, ``TREES``
-    platt : a, b
+    base, learnt, evidence : of the log odds
     accuse, clear : stiction is called from this probability on, no stiction only up to that one [-]
-    widths : (2, 2) what is added to the outer quantiles of ln S and ln J
-    seen : (2, f) range of each feature in the simulated records
+    S, J : quantiles of 5, 50 and 95 % of the error of ln S and ln J
+    middle, spread : (3, 3) mean of ``PLACE`` and inverse of its covariance, over the square of the 95 % distance
+    kinds : cause of each kind of loop that the network tells apart, but for those that stick
     about : what was fitted on what, plain values
     """
 
-    names: tuple[str, ...]
-    causes: tuple[str, ...]
-    trees: Mapping[str, Trees]
-    platt: tuple[float, float]
+    base: float
+    learnt: float
+    evidence: float
     accuse: float
     clear: float
-    widths: Values
-    seen: Values
+    S: tuple[float, float, float]
+    J: tuple[float, float, float]
+    middle: tuple[float, ...]
+    spread: tuple[tuple[float, ...], ...]
+    kinds: Mapping[str, str]
     about: Mapping[str, Any]
 
-    def probabilities(self, x: Values) -> tuple[Values, Values]:
-        """p(stiction) (n,) and p(other causes) (n, c) [-] of records with features x (n, f)."""
-        a, b = self.platt
-        p = 1.0 / (1.0 + np.exp(-np.clip(a * self.trees["sticky"](x)[:, 0] + b, -40.0, 40.0)))
-        z = self.trees["others"](x)
-        e = np.exp(z - z.max(axis=1, keepdims=True))
-        return p, (1.0 - p)[:, None] * e / e.sum(axis=1, keepdims=True)
+    def far(self, place: Values) -> Values:
+        """The distance d (n,) [-] of records by their features ``PLACE`` (n, 3)."""
+        off = place - np.array(self.middle)
+        return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", off, np.array(self.spread), off)))
 
-    def sizes(self, x: Values, which: str) -> Values:
-        """ln of S or J over OP's travel: low, median, high, (n, 3); what the network says, set right by trees."""
-        q = np.sort(self.trees[which](x) + x[:, self.names.index(f"network_{which}"), None], axis=1)
-        widths = self.widths[("S", "J").index(which)]
-        return np.stack([q[:, 0] - widths[0], q[:, 1], q[:, 2] + widths[1]], axis=1)
+    def shares(self, found: Mapping[str, float]) -> dict[str, float]:
+        """What the network and the evidence add to the log odds of one record, by the names of ``SEEN``."""
+        seen = np.array([[found.get(name, math.nan) for name in SEEN]])
+        learnt, evidence = weighed(seen, self.far(self._place(found)))[0]
+        return dict(zip(SEEN, (self.learnt * float(learnt), self.evidence * float(evidence)), strict=True))
 
-    def judge(self, features: Mapping[str, float]) -> Opinion:
-        """The opinion on the features of one record; what is not there is missing (NaN)."""
-        x = np.array([[features.get(name, np.nan) for name in self.names]])
-        p, others = self.probabilities(x)
-        causes = {"stiction": float(p[0])} | dict(zip(self.causes, others[0].tolist(), strict=True))
-        beyond = float(np.mean((x[0] < self.seen[0]) | (x[0] > self.seen[1])))
-        causes = _fallen_back(causes, beyond)
-        low, value, high = np.exp(self.sizes(x, "S")[0]).tolist()
-        low_j, value_j, high_j = np.exp(self.sizes(x, "J")[0]).tolist()
-        jump = (min(value_j, value), min(low_j, low), min(high_j, high))
-        return Opinion(dict(sorted(causes.items(), key=lambda item: -item[1])), (value, low, high), jump, beyond)
+    def judge(self, found: Mapping[str, float]) -> Opinion:
+        """The opinion on the features of one record."""
+        p = 1.0 / (1.0 + math.exp(-self.base - sum(self.shares(found).values())))
+        others = dict.fromkeys(self.kinds.values(), 1e-6)
+        for kind, cause in self.kinds.items():
+            others[cause] += math.exp(found[f"network_{kind}"])
+        total = math.fsum(others.values())
+        causes = {"stiction": p} | {cause: (1.0 - p) * share / total for cause, share in others.items()}
+        at = float(ln_size(np.array([found["network_S"]]), np.array([found.get("likely_S", math.nan)]))[0])
+        S, J = ([math.exp(ln_at + q) for q in errors] for ln_at, errors in ((at, self.S), (found["network_J"], self.J)))
+        J = [min(jump, size) for jump, size in zip(J, S, strict=True)]
+        return Opinion(
+            dict(sorted(causes.items(), key=lambda item: -item[1])),
+            (S[1], S[0], S[2]), (J[1], J[0], J[2]), float(self.far(self._place(found))[0]),
+        )  # fmt: skip
 
-    def shares(self, features: Mapping[str, float]) -> dict[str, float]:
-        """The share of each feature of one record in the log odds of stiction [-], by name; see ``Trees.shares``."""
-        x = np.array([features.get(name, np.nan) for name in self.names])
-        return dict(zip(self.names, (self.platt[0] * self.trees["sticky"].shares(x)).tolist(), strict=True))
+    def _place(self, found: Mapping[str, float]) -> Values:
+        return np.array([[found[name] for name in PLACE]])
 
     def write(self, file: Path) -> None:
-        """Keep the model in an open archive of arrays."""
-        arrays: dict[str, Any] = {f"{k}/{name}": v for k, t in self.trees.items() for name, v in t.arrays().items()}
-        numbers = {
-            "schema": SCHEMA, "platt": self.platt, "accuse": self.accuse, "clear": self.clear,
-            "causes": self.causes, "about": dict(self.about),
-        }  # fmt: skip
-        np.savez_compressed(
-            file, names=np.array(self.names), widths=self.widths, seen=self.seen, numbers=json.dumps(numbers), **arrays
-        )
+        """Keep the model as JSON."""
+        file.write_text(json.dumps({"schema": SCHEMA, **asdict(self)}, indent=1) + "\n", encoding="utf-8")
 
     @classmethod
     def read(cls, file: Path) -> Model:
         """The model kept in a file; raises ValueError if it holds another kind or version."""
-        with np.load(file, allow_pickle=False) as kept:
-            arrays = {name: kept[name] for name in kept.files}
-        numbers = json.loads(str(arrays["numbers"]))
-        if numbers["schema"] != SCHEMA:
-            raise ValueError(
-                f"{file} holds {numbers['schema']}, not {SCHEMA}; fit it again: python -m stickslip.calibration train"
-            )
-        trees = {
-            k: Trees.read({n.removeprefix(f"{k}/"): v for n, v in arrays.items() if n.startswith(f"{k}/")})
-            for k in TREES
-        }
-        a, b = numbers["platt"]
-        return cls(
-            tuple(arrays["names"].tolist()), tuple(numbers["causes"]), trees, (a, b), numbers["accuse"],
-            numbers["clear"], arrays["widths"], arrays["seen"], numbers["about"],
-        )  # fmt: skip
+        kept = json.loads(file.read_text(encoding="utf-8"))
+        if kept.pop("schema", None) != SCHEMA:
+            raise ValueError(f"{file} holds no {SCHEMA}; fit it again: python -m stickslip.calibration train")
+        return cls(**kept)
 
 
-def _fallen_back(causes: dict[str, float], beyond: float) -> dict[str, float]:
-    """Causes whose odds of stiction fall back to even as the features leave those of all simulated loops.
+def weighed(seen: Values, far: Values) -> Values:
+    """What the weights of the log odds multiply (n, 2), by the features ``SEEN`` (n, 2) and the distance (n,).
 
-    >>> _fallen_back({"stiction": 0.75, "healthy": 0.25}, FAR_SHARE)
-    {'stiction': 0.5, 'healthy': 0.5}
+    >>> weighed(np.array([[3.0, np.nan], [3.0, -5.0]]), np.array([0.5, 2.0])).round(3).tolist()
+    [[3.0, 0.0], [1.5, -0.693]]
     """
-    p = min(max(causes["stiction"], 1e-12), 1.0 - 1e-12)
-    shrunk = 1.0 / (1.0 + ((1.0 - p) / p) ** max(1.0 - beyond / FAR_SHARE, 0.0))
-    return {name: shrunk if name == "stiction" else q * (1.0 - shrunk) / (1.0 - p) for name, q in causes.items()}
+    gain = np.nan_to_num(seen[:, 1])
+    return np.column_stack([seen[:, 0] / np.maximum(far, 1.0), np.sign(gain) * np.log1p(np.abs(gain) / NATS)])
+
+
+def ln_size(network: Values, likely: Values) -> Values:
+    """ln of S over OP's travel (n,), by the network and by the likelihood, NaN where it says none.
+
+    >>> ln_size(np.array([-1.0, -1.0]), np.array([np.nan, -2.0])).tolist()
+    [-1.0, -1.5]
+    """
+    return np.where(np.isnan(likely), network, 0.5 * (network + likely))
 
 
 @cache

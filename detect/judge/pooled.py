@@ -30,7 +30,6 @@ from stickslip.detect.verdict import Word
 __all__ = ["evidence_of_all", "pooled"]
 
 TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
-DEAD_TRAVEL = ("stiction", "deadband")
 
 
 def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[int, ...]]:
@@ -108,6 +107,7 @@ def pooled(
 def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:
     """The opinion with the odds of dead travel raised by what the records gain together beyond the middle one.
 
+    A deadband is raised among the other causes only: the model's probability of stiction leaves it out.
     Ten nats count as one, because errors of a wrong model agree with each other; no evidence counts for more than five,
     because PV may have reasons that no rival has.
     """
@@ -115,9 +115,13 @@ def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:
         return opinion
     more = found.gain - float(np.median([day.gain for day in found.days]))
     raised = math.exp(min(max(more, 0.0) / TEMPER, MOST))
-    odds = {name: p * (raised if name in DEAD_TRAVEL else 1.0) for name, p in opinion.causes.items()}
-    total = math.fsum(odds.values())
-    causes = dict(sorted(((name, p / total) for name, p in odds.items()), key=lambda item: -item[1]))
+    p = opinion.probability
+    sticks = p * raised / (p * raised + 1.0 - p)
+    others = {name: q * (raised if name == "deadband" else 1.0) for name, q in opinion.causes.items()}
+    del others["stiction"]
+    total = math.fsum(others.values())
+    causes = {"stiction": sticks} | {name: (1.0 - sticks) * q / total for name, q in others.items()}
+    causes = dict(sorted(causes.items(), key=lambda item: -item[1]))
     return replace(opinion, causes=causes)
 
 

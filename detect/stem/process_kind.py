@@ -63,8 +63,11 @@ def kind_of_data(op: Values, pv: Values, sp: Values | None, e: Values, period: f
     u, y, off = (x[len(x) - n :].reshape(-1, k).mean(axis=1) for x in (op, pv, e))
     sign, turn = controller_sign(u, off), max(turn / k, 2.0)
     models = [Lags(y, turn, kind, sign, POINTS // 2) for kind in (False, True)]
+    swing = models[0].tss
+    if not swing > 0.0:  # PV stands once its first turns, which no model is asked for, are over
+        return unknown
     settles, integrates = (model.fit(u[:, None])[0].rss for model in models)
-    explained = 1.0 - min(settles, integrates) / models[0].tss
+    explained = 1.0 - min(settles, integrates) / swing
     better = math.log(settles / integrates)
     if explained < EXPLAINED_SHARE or abs(better) < BETTER:
         return unknown

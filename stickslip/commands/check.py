@@ -54,7 +54,7 @@ def command(files: tuple[Path, ...], **stated: Any) -> None:
 
     FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' reads
     from a pipe. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
-    stickslip.detect.Verdict, which is shown beside the others and has no vote.
+    stickslip.detect.Verdict, which is shown beside the others.
 
     \b
     Examples:

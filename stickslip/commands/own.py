@@ -132,7 +132,7 @@ def case_named(given: str, option: str = "CASE") -> "Case":
 
 @dataclass
 class OwnMethod:
-    """A detector of the user's own that is a function alone; it is shown and has no vote."""
+    """A detector of the user's own that is a function alone; it is shown."""
 
     CARD: "Card"
     function: "Callable[[LoopRecord | Prepared], Verdict]"
@@ -177,7 +177,7 @@ def method_named(given: str) -> "Method":
 
 
 def plain_card(name: str, source: str) -> "Card":
-    """Return the card of a method that has none: it is on trial, so that it is shown without a vote."""
+    """Return the card of a method that has none: it is on trial."""
     from stickslip.detect.card import Card
 
     return Card(

@@ -228,7 +228,10 @@ def test_what_the_user_says_of_pv_is_used(call, exports):
     file = exports / "FIC101_pi_export.csv"
     stated = document(call("check", file, "--measurement", "level", "--json", "-").stdout)
     plain = document(call("check", file, "--json", "-").stdout)
-    assert stated["probability"] != plain["probability"]  # a level integrates
+    by_area, by_area_plain = (next(m for m in said["methods"] if m["name"] == "area_ratio") for said in (stated, plain))
+    assert (
+        by_area["code"] == "wrong_process_type" and by_area_plain["code"] != "wrong_process_type"
+    )  # a level integrates
     narrow = document(call("check", file, "--span", "0", "1", "--json", "-").stdout)
     assert narrow["verdict"] == "inconclusive" and "end of its span" in narrow["reason"]
     wrong = call("check", file, "--span", "5", "1")

@@ -1,24 +1,27 @@
-"""Features of a loop record that have no unit: no amplitude, length, period or offset of the record is in them.
+"""What the judge is told of a loop record, without a unit: no amplitude, interval or offset of the record is in it.
 
-    view        the record in its own units: OP and PV over their spread, time in turns of OP
-    network     scores of learnt convolutions over OP, PV, e, what is new in PV, and what each size of stick would leave
-    dead_travel what the record's own likelihood says, which nothing has to learn
-    process     1 where PV is known to integrate, 0 where to settle: a play makes a level cycle as a stick does
+    view         the record in its own units: OP and PV over their spread, time in turns of OP
+    network      scores of learnt convolutions over OP, PV, e, what is new in PV, and what each size of stick leaves
+    dead_travel  nats by which dead travel beats its rivals in the record's own likelihood, the best tenth left out
+    likely_S     ln of the likeliest S over OP's travel, where dead travel gains ten nats
+    samples      ln of the samples of the record between two turns of OP;  turns   ln of how many turns there are
 
-Of 290 features of ten families the first two separated loops of unseen physics as well as all together, or better.
+Of 290 features of ten families, and later of 60, the first two told loops of unseen physics apart as well as all.
 """
 
 from __future__ import annotations
 
 import math
 
-from stickslip.detect.judge.features.dead_travel import dead_travel_features
 from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.features.network import network_features
 from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.detect.prepare.prepared import Prepared
 
-__all__ = ["View", "features", "features_of", "view_of"]
+__all__ = ["MOST_NATS", "View", "features", "features_of", "view_of"]
+
+MOST_NATS = 100.0  # nats: more of them tell no more
 
 
 def features(loop: Prepared) -> dict[str, float] | None:
@@ -36,13 +39,16 @@ def features(loop: Prepared) -> dict[str, float] | None:
 
 
 def features_of(loop: Prepared, view: View) -> dict[str, float]:
-    """All features of a record and its view by name [-]; those of dead travel only where it can be weighed."""
-    found = network_features(view) | _process(view)
-    if usable(loop) and loop.stems is not None and loop.dead_travel is not None:
-        found |= dead_travel_features(loop.dead_travel, loop.stems)
-    return {name: float(value) if math.isfinite(value) else math.nan for name, value in sorted(found.items())}
-
-
-def _process(view: View) -> dict[str, float]:
-    """What is known of the process, by its tag or by what the user says."""
-    return {"process_integrates": math.nan if view.integrating is None else float(view.integrating)}
+    """All features of a record and its view by name [-]; NaN where dead travel cannot be weighed or does not gain."""
+    found = loop.dead_travel if usable(loop) else None
+    gain = math.nan if found is None else min(found.gain, found.without_best)
+    likely = math.nan
+    if found is not None and gain >= GAIN_NATS:
+        travel = view.travel * view.op_scale
+        likely = math.log(found.S / (loop.op_percent(travel) or travel))
+    return network_features(view) | {
+        "dead_travel": min(max(gain, -MOST_NATS), MOST_NATS),
+        "likely_S": likely,
+        "samples": math.log(view.turn * view.block),
+        "turns": math.log(len(view) / view.turn),
+    }

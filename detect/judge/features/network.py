@@ -7,8 +7,8 @@
     f   = max(W p + b, 0),   z = W f + b: one value per kind of loop,   s = W f + b: ln S and ln J over OP's travel
     score_g = ln of the share of exp(z_g) among all,   score_sticky = ln of the odds of the sticky kinds
 
-A loop drawn upside down, or a little faster, sticks as much: the features are the means of four scores, of x read on
-more and on fewer points a turn than the network was fitted on, and of both with the odd channels negated.
+A loop drawn upside down sticks as much, and so does a part of its record: the features are the means of six scores, of
+the whole and of its first and last ``PART``, and of each with the odd channels negated.
 Fitted on simulated loops that nothing else is fitted on (``stickslip.calibration.network``), run here in plain numpy.
 """
 
@@ -36,7 +36,7 @@ FILE = Path(__file__).parents[1] / "network.npz"
 
 CHANNELS = ODD + EVEN + CANDIDATES
 FLIPPED = np.r_[np.ones(ODD), np.zeros(EVEN), np.ones(CANDIDATES)].astype(bool)  # change sign if OP and PV do
-SCALES = (0.93, 1.07)  # of the time between two points of x; wider ones differ more, but are seen less well
+PART = 0.8  # of a record, that is looked at from either end
 KERNEL = {"stem": 9}  # taps, 5 elsewhere
 LAYERS = (  # name, points between two, taps spread by, whether what it finds is added to what it got
     ("stem", 2, 1, False), ("b1", 2, 1, False), ("b2", 1, 2, True), ("b3", 2, 1, False), ("b4", 1, 2, True),
@@ -134,8 +134,11 @@ def one_look(v: View) -> dict[str, float]:
 
 
 def network_features(v: View) -> dict[str, float]:
-    """The features of this family by name [-]: means of the scores over ``SCALES`` and both signs."""
-    looks = [seen_by(replace(v, turn=scale * v.turn)) for scale in SCALES]
+    """The features of this family by name [-]: means of the scores over the whole, its parts and both signs."""
+    n = int(PART * len(v))
+    looks = [
+        seen_by(replace(v, u=v.u[part], y=v.y[part], e=v.e[part])) for part in (slice(None), slice(n), slice(-n, None))
+    ]
     both = [x for look in looks for x in (look, np.where(FLIPPED[:, None], -look, look))]
     return _named(np.mean([shipped_network().scores(x) for x in both], axis=0))
 

@@ -50,3 +50,11 @@ def test_data_speak_under_set_point_moves(process, S, sticky):
 def test_nothing_is_inferred_at_a_constant_set_point(forced, sticky, outside_square):
     for record in (forced(), sticky("integrating", noise=0.1), outside_square(0)):
         assert prepared(untold(record)).integrating is None
+
+
+def test_a_pv_that_stands_after_its_first_turns_says_nothing():
+    t = np.arange(300.0)
+    sp = np.where(t % 60 < 30, 40.0, 60.0)
+    op = sp + 5.0 * np.sin(t)
+    record = LoopRecord.from_arrays(t, pv=np.where(t < 5, 9.0, 0.0), op=op, sp=sp, name="X1")
+    assert prepared(record).integrating is None  # neither model has anything to explain
