@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.drawing import OTHERS
 from stickslip.calibration.records import Table
-from stickslip.detect.judge.model import PLACE, SEEN, Model, ln_size, weighed
+from stickslip.detect.judge.model import PLACE, SEEN, SIZE, Model, ln_size, weighed
 
 __all__ = ["fit"]
 
@@ -42,7 +42,7 @@ def fit(t: Table, say: Say = print) -> Model:
     say(f"{len(judged)} loops: log odds {line[0]:.2f} + {line[1]:.2f} s + {line[2]:.2f} g")
     base, learnt, evidence = line.tolist()
     sticky = t.rows(t.sticky)
-    ln_at = {"S": ln_size(*_columns(sticky, ("network_S", "likely_S")).T), "J": _columns(sticky, ("network_J",))[:, 0]}
+    ln_at = {"S": ln_size(*_columns(sticky, SIZE).T), "J": _columns(sticky, ("network_J",))[:, 0]}
     S, J = (_errors(sticky, which, ln_at[which]) for which in ("S", "J"))
     return Model(
         base, learnt, evidence, float(np.quantile(p[~judged.sticky], 1.0 - ALARMS)),

@@ -2,8 +2,9 @@
 
     logit p(stiction) = base + learnt s / max(1, d) + evidence sign(G) ln(1 + |G| / ``NATS``)
     p(cause)          = (1 - p(stiction)) times the network's share of that cause among all others
-    ln(S / OP travel) = what the network says, or where dead travel gains ten nats the mean of that and of the likeliest
-                        S, and to it three quantiles of its error;  J as the network says, likewise
+    ln(S / OP travel) = what the network says, or a mean of that and of the likeliest S, which counts the more the more
+                        dead travel gains, not if they differ by ``APART``; and to it three quantiles of its error;
+                        J as the network says, likewise
 
 s is the network's log odds of a stick and G the gain of dead travel [nats], 0 where it cannot be weighed.  d is how far
 the record lies from the loops that were learnt from, in samples a turn of OP, turns, and S over OP's travel (distance
@@ -27,13 +28,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FILE", "PLACE", "SCHEMA", "SEEN", "Model", "Opinion", "calibrated", "ln_size", "weighed"]
+__all__ = ["FILE", "PLACE", "SCHEMA", "SEEN", "SIZE", "Model", "Opinion", "calibrated", "ln_size", "weighed"]
 
 Values = npt.NDArray[np.float64]
 FILE = Path(__file__).with_name("calibration.json")
 SCHEMA = "stickslip.calibration.model/3"
+APART = 1.7  # factor: in an even cycle without noise the likeliest S may be half or twice the true one
 NATS = 5.0  # up to which a gain counts in full; more of them tell less and less
 SEEN = ("network_sticky", "dead_travel")  # features that the odds are made of
+SIZE = ("network_S", "likely_S", "likely_share")  # those that S is made of
 PLACE = ("samples", "turns", "network_S")  # and those that the distance is measured in
 
 
@@ -100,7 +103,7 @@ class Model:
             others[cause] += math.exp(found[f"network_{kind}"])
         total = math.fsum(others.values())
         causes = {"stiction": p} | {cause: (1.0 - p) * share / total for cause, share in others.items()}
-        at = float(ln_size(np.array([found["network_S"]]), np.array([found.get("likely_S", math.nan)]))[0])
+        at = float(ln_size(*(np.array([found.get(name, math.nan)]) for name in SIZE))[0])
         S, J = ([math.exp(ln_at + q) for q in errors] for ln_at, errors in ((at, self.S), (found["network_J"], self.J)))
         J = [min(jump, size) for jump, size in zip(J, S, strict=True)]
         return Opinion(
@@ -134,13 +137,14 @@ def weighed(seen: Values, far: Values) -> Values:
     return np.column_stack([seen[:, 0] / np.maximum(far, 1.0), np.sign(gain) * np.log1p(np.abs(gain) / NATS)])
 
 
-def ln_size(network: Values, likely: Values) -> Values:
-    """ln of S over OP's travel (n,), by the network and by the likelihood, NaN where it says none.
+def ln_size(network: Values, likely: Values, share: Values) -> Values:
+    """ln of S over OP's travel (n,), by the network and, to a share, by the likelihood, NaN where it says none.
 
-    >>> ln_size(np.array([-1.0, -1.0]), np.array([np.nan, -2.0])).tolist()
-    [-1.0, -1.5]
+    >>> ln_size(np.full(3, -1.0), np.array([np.nan, -1.4, -2.0]), np.array([np.nan, 0.75, 0.75])).round(3).tolist()
+    [-1.0, -1.3, -1.0]
     """
-    return np.where(np.isnan(likely), network, 0.5 * (network + likely))
+    off = likely - network
+    return np.where(np.abs(off) < math.log(APART), network + share * off, network)
 
 
 @cache

@@ -9,7 +9,7 @@ from stickslip.calibration.scoring import auc, calibration_error, estimates, opi
 from stickslip.calibration.training import fit
 from stickslip.detect.judge.actions import CAUSES as SPOKEN
 
-FEATURES = ("network_sticky", "dead_travel", "samples", "turns", "network_S", "network_J", "likely_S",
+FEATURES = ("network_sticky", "dead_travel", "samples", "turns", "network_S", "network_J", "likely_S", "likely_share",
             *(f"network_{kind}" for kind in OTHERS))  # fmt: skip
 
 
