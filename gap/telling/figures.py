@@ -65,8 +65,7 @@ def _bar(ax: "Axes", found: "Replayed") -> None:
     low, high = _percent(found.shrinkage.low), _percent(found.shrinkage.high)
     sure = f" ({low.removesuffix(' %')} to {high})" if low != high else ""
     ax.text(0.0, 0.75, f"The gap shrinks by {_percent(gone)}{sure}", fontsize=13, weight="bold", color=INK, va="bottom")
-    ax.text(1.0, 0.75, f"green: what {found.cause} explains; red: what is left", fontsize=8.5, color=SOFT, va="bottom",
-            ha="right")  # fmt: skip
+    ax.text(1.0, 0.75, "green: what is explained; red: what is left", fontsize=8.5, color=SOFT, va="bottom", ha="right")
     ax.set_xlim(0.0, 1.0)
     ax.set_ylim(-0.5, 1.9)
     ax.set_axis_off()
