@@ -95,7 +95,7 @@ class Outcome:
         behind = [total(one) for one in self.found if one not in self.same]
         margin = min(behind) - total(best) if behind else gained
         if self.firsts:
-            return Evidence("pair", gained, share, margin)
+            return Evidence("pair" if rival(best.best).behind >= CLEAR else "filter, rivalled", gained, share, margin)
         one = best.best.explanation
         if one.sticks and one.effect is not None:
             return Evidence(f"filter, {one.effect.name}", gained, share, margin)
@@ -178,7 +178,7 @@ def _named_together(best: Found, first: Found, second: Sequence[Found]) -> bool:
     one = best.best.explanation
     there = has_matrix(one) or any((x.best.explanation.effect, x.best.explanation.place) == (one.effect, one.place)
                                    for x in second)  # fmt: skip
-    return there and rival(second[0].best).behind >= CLEAR
+    return there and rival(second[0].best).behind >= NEEDED
 
 
 def _by_one(

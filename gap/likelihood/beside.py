@@ -4,27 +4,12 @@ A stem is never part of the model, since each bank of stems has one that sticks.
 likeliest path is: what is found beside that path becomes the part beside which stems are looked for again.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.search import price
 from stickslip.gap.likelihood.stems import known_stem
-
-FIRSTS = 2  # effects beside which a second one is looked for
-
-
-def firsts(fits: Sequence[Fit], tie: float) -> list[Fit]:
-    """Return the effects, the likeliest first, beside which a second is looked for: of those in a tie only one."""
-    found: list[Fit] = []
-    for fit in fits:
-        one = fit.hypothesis
-        of_model = one.effect is not None and not one.effect.of_log
-        if of_model and all(price(fit) > price(other) + tie or one.hides for other in found):
-            found.append(fit)
-    return found[:FIRSTS]
 
 
 def with_effect(first: Fit) -> Frame:

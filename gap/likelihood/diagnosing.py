@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.beside import as_part, firsts, with_effect
+from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits
 from stickslip.gap.likelihood.fit import Fit
@@ -101,14 +101,13 @@ def needed(found: Sequence[Candidate]) -> float:
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record: an effect, or two where none is enough alone, the best single one among them."""
     alone = _explained(frame, catalogue, seed, progress)
-    if not alone.gap or alone.named:
+    if not alone.gap or alone.named or not alone.fits:
         return alone
-    for first in firsts(alone.fits, TIE):
-        both = _with_second(first, catalogue, seed, progress)
-        if both is not None and _whose(alone.fits[0]) in map(_whose, (*both.firsts, *both.named)):
-            same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
-            return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
-    return alone
+    both = _with_second(alone.fits[0], catalogue, seed, progress)
+    if both is None:
+        return alone
+    same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
+    return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
 
 
 def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome | None:
@@ -122,12 +121,6 @@ def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: P
         first, catalogue = part, stems
     both = _explained(with_effect(first), catalogue, seed, progress)
     return replace(both, firsts=(first,)) if both.named else None
-
-
-def _whose(fit: Fit) -> tuple[str, str]:
-    """Return the name of an effect and its place; of stems at one place any."""
-    effect = fit.hypothesis.effect
-    return ("" if fit.hypothesis.hides or effect is None else effect.name), fit.hypothesis.place
 
 
 def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome:
