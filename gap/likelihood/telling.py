@@ -62,7 +62,7 @@ def _named(o: Outcome) -> GapReport:
         sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll))
     else:
         shares = _posterior(o, o.fits)
-        sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
+        sure = float((1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named))
     where = Where(found[0].place, sure, places, _by_place(o))
     causes = tuple(one.stated(sure) for one in found)
     shrunk = None if o.textured else held_out(o.null, best)
