@@ -171,7 +171,7 @@ def outcome(
 
 
 def _named_together(best: Found, first: Found, second: Sequence[Found]) -> bool:
-    """Return whether two effects are named: the best single one has to be the first, or the second where it bends.
+    """Return whether two effects are named: a best single one that cannot be the first has to be the second.
 
     No generic rival of the second may be near: two effects have sizes enough to stand for one that no catalogue has.
     """

@@ -7,14 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
-from stickslip.diagram.diagram import Diagram
 from stickslip.gap.filters.affine import NotAffine
 from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import made_of
-from stickslip.gap.records.given import Given
-from stickslip.gap.records.model import Nuisance
-from stickslip.gap.records.record import RARE, Record, rounding, switch_rows
+from stickslip.gap.records.given import Held
+from stickslip.gap.records.record import RARE, rounding, switch_rows
 
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there
@@ -23,15 +21,13 @@ SKIPPED = 60  # rows at the beginning, and at least the time in which a start is
 
 
 @dataclass(frozen=True, eq=False)
-class Filtering:
+class Filtering(Held):
     """``given`` a model that starts as the record starts; ``record``; ``leads`` scans by which each switch of an input
     comes before the row that shows it, (inputs, rows); ``apart``: whether rows just behind a switch are left out;
     ``catalogue``: effects of which a little may be beside another; ``loose``: whether noise and loads are fitted, about
     what the model states, or are as it states them.
     """
 
-    given: Given
-    record: Record
     leads: NDArray[np.int64]
     apart: bool = False
     catalogue: tuple[Effect, ...] = ()
@@ -48,21 +44,6 @@ class Filtering:
                     for k in range(NEAR):
                         found[np.minimum(rows + k, len(found) - 1)] = False
         return found
-
-    @property
-    def model(self) -> Diagram:
-        """The model with its nuisances."""
-        return self.given.model
-
-    @property
-    def quiet(self) -> Diagram:
-        """The model without random numbers."""
-        return self.given.quiet
-
-    @property
-    def noise(self) -> tuple[Nuisance, ...]:
-        """Sources of random numbers."""
-        return self.given.noise
 
     @cached_property
     def period(self) -> float:

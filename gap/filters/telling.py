@@ -104,7 +104,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
         found.insert(0, named_cause([_whose(x) for x in o.firsts], _sizes_of_part(best)))
     places = tuple(dict.fromkeys(x.best.explanation.place for x in (*o.firsts, *o.same)))
     sure, shrunk = sureness.probability(o.evidence), held_out(o)
-    words = said_of(found)
+    words = said_of(found, places)
     part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
     words.append(
         f"{'Together they explain' if o.firsts else 'It explains'} {part:.1f} % of the gap"

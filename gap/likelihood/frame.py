@@ -11,11 +11,10 @@ from stickslip.blocks.recorded import Recorded
 from stickslip.blocks.role import Role
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
-from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
-from stickslip.gap.records.given import Given
+from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
-from stickslip.gap.records.record import Record, rounding, switch_rows, switches
+from stickslip.gap.records.record import rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
@@ -26,32 +25,15 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(Held):
     """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
     ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most.
     """
 
-    given: Given
-    record: Record
     apart: bool = False
     seen: float = 1.0
     draws: int = DRAWS
-
-    @property
-    def model(self) -> Diagram:
-        """The model with its nuisances."""
-        return self.given.model
-
-    @property
-    def quiet(self) -> Diagram:
-        """The model without random numbers."""
-        return self.given.quiet
-
-    @property
-    def noise(self) -> tuple[Nuisance, ...]:
-        """Sources of random numbers."""
-        return self.given.noise
 
     @property
     def free(self) -> dict[str, tuple[float, float]]:

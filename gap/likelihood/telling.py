@@ -49,7 +49,7 @@ def _named(o: Outcome) -> GapReport:
         assert part is not None
         found.insert(0, named_cause([_whose(fit) for fit in o.firsts], part.sizes(best.best.values, best.sd)))
     places = tuple(dict.fromkeys(fit.hypothesis.place for fit in (*o.firsts, *o.named)))
-    words = said_of(found)
+    words = said_of(found, places)
     if o.textured:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:

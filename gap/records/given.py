@@ -9,6 +9,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.gap.answers.report import Size
 from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
+from stickslip.gap.records.record import Record
 
 SURE = 1.645  # standard deviations of an interval of 90 %
 
@@ -130,3 +131,26 @@ class Given:
         """Return the model with an effect of these values, whose blocks ``changed`` has; ``free``: its sizes are."""
         there = changed.with_params(effect.settings(self.model, place, **values))
         return Given(there, Part(effect, place, values, effect.bounds(self.model, place) if free else {}), self)
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A model, ``given``, held against a ``record``."""
+
+    given: Given
+    record: Record
+
+    @property
+    def model(self) -> Diagram:
+        """The model with its nuisances."""
+        return self.given.model
+
+    @property
+    def quiet(self) -> Diagram:
+        """The model without random numbers."""
+        return self.given.quiet
+
+    @property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return self.given.noise

@@ -32,10 +32,10 @@ def named_cause(same: Sequence[tuple[Effect, str]], sizes: Mapping[str, Size]) -
     return NamedCause(effect, place, sizes, others)
 
 
-def said_of(causes: Sequence[NamedCause]) -> list[str]:
-    """Return one cause, or two, in words."""
+def said_of(causes: Sequence[NamedCause], places: Sequence[str]) -> list[str]:
+    """Return one cause, or two, in words; ``places`` that the log does not tell apart."""
     if len(causes) == 1:
-        words = [f"There is a gap. Place: {causes[0].place}. Cause: {causes[0]}."]
+        words = [f"There is a gap. Place: {listed(places)}. Cause: {causes[0]}."]
     else:
         words = [f"There is a gap with two causes: {'; and '.join(map(str, causes))}."]
     words += [line for one in causes for line in about_creep(one.effect, one.sizes)]

@@ -6,6 +6,7 @@ from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import CATALOGUE, effect
 from stickslip.gap.records.given import Given
+from stickslip.gap.telling.causes import named_cause, said_of
 
 from tests.gap.outside_loops import site_log
 from tests.gap.root_tank import logged, tank
@@ -70,3 +71,11 @@ def test_what_is_not_free_in_a_part_keeps_its_value():
     first = Given(model).with_part(noise.put(model, "sensor"), noise, "sensor", {"factor": 3.0}, False)
     assert not any("sensor_noise" in key for key in first.free)
     assert np.isclose(first.part.sizes({}, {})["factor"].value, 3.0)
+
+
+def test_one_cause_is_said_with_all_places_that_the_log_does_not_tell_apart():
+    lag, slow = effect("positioner_lag"), effect("second_lag")
+    one = named_cause([(lag, "valve"), (slow, "process")], {})
+    first, *rest = said_of([one], ["valve", "process"])
+    assert first.startswith("There is a gap. Place: valve or process. Cause: positioner_lag at valve")
+    assert any("cannot be told apart from second_lag" in line for line in rest)
