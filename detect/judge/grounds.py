@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
+from stickslip.detect.judge.features import MOST_NATS
+
 __all__ = ["Ground", "Picture", "grounds"]
 
 Found = Mapping[str, float]
@@ -33,6 +35,8 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Gr
     >>> (only,) = grounds(features, {"dead_travel": 1.5, "network_sticky": -0.2}, True)
     >>> only.words, only.picture
     ('A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).', 'dead_travel')
+    >>> grounds({"dead_travel": 100.0}, {"dead_travel": 1.5, "network_sticky": 0.0}, True)[0].words
+    'A stem with dead travel predicts PV better than every rival, by more than 100 nats (log odds +1.5).'
     """
     sign = 1.0 if sticks else -1.0
     first = sorted((name for name in KINDS if sign * shares[name] >= LEAST), key=lambda name: -sign * shares[name])
@@ -48,9 +52,10 @@ def _learnt(found: Found, sticks: bool) -> str:
 
 def _travel(found: Found, sticks: bool) -> str:
     gain = found["dead_travel"]
+    more = "more than " if abs(gain) >= MOST_NATS else ""
     if gain > 0.0:
-        return f"A stem with dead travel predicts PV better than every rival, by {gain:.0f} nats"
-    return f"No stem with dead travel predicts PV better than the best rival; it lacks {-gain:.0f} nats"
+        return f"A stem with dead travel predicts PV better than every rival, by {more}{gain:.0f} nats"
+    return f"No stem with dead travel predicts PV better than the best rival; it lacks {more}{-gain:.0f} nats"
 
 
 KINDS: Mapping[str, tuple[Callable[[Found, bool], str], Picture]] = {
