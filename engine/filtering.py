@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 from stickslip.engine.layout import N_BLOCKS
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
-from stickslip.engine.slopes import WIDE, arrived, same_kind, slopes_at, straight
+from stickslip.engine.slopes import WIDE, arrived, as_steep, passing_on, same_kind, slopes_at, straight
 from stickslip.engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, with_room
 
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
@@ -123,6 +123,7 @@ def extended(  # type: ignore[no-untyped-def]
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
+    alone = np.full(n, -1)
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
     count, status, near, lost, moved = 0, 0, True, False, False
     for k in range(len(times)):
@@ -154,8 +155,18 @@ def extended(  # type: ignore[no-untyped-def]
         moved = row >= 0 or width < 0 or near  # no other stop is probed, or has slopes of its own
         if moved:
             next_I[:], next_W[:] = I[:kept], W[:saved]
+        borrowed = width < 0 and slot >= 0 and known[slot] >= 0 and not near
+        if borrowed:  # an input has moved the run, which may leave it as steep
+            i = which[known[slot]]
+            width = spread_to(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y)
+            if as_steep(I, W, buffer, base_I, base_W, places, shown, noisy, times[k], phi[k], sd[k], k, A[i], B[i],
+                        H[i], G[i], z, D, columns, behind, y, E, Y, width, aside, drawn):  # fmt: skip
+                which[k] = i
+                from_z[slot], to_z[slot], to_y[slot] = z, behind, y
+            else:
+                width = -1
         # between rows nothing bends within the spread, if it did not within more of it at the row before
-        bends = width >= 0 and (row >= 0 or near) and not straight(
+        bends = width >= 0 and (row >= 0 or near or borrowed) and not straight(
             I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
             width, Y, FAR if row >= 0 else WIDE, aside, drawn,
         )  # fmt: skip
@@ -174,10 +185,12 @@ def extended(  # type: ignore[no-untyped-def]
             for j in range(q):
                 W[noisy[j]] *= phi[k, j]
             stop_I[:], stop_W[:] = I[:kept], W[:saved]
+            like = which[known[slot]] if slot >= 0 and known[slot] >= 0 else -1
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
                 z, at_stop, D, columns, behind, y, A[count], B[count], H[count], G[count], turns[k],
+                passing_on(A[like], H[like]) if like >= 0 else alone,
             )  # fmt: skip
             if status != 0:
                 break

@@ -11,6 +11,9 @@ from stickslip.engine.spread import NARROWEST, add_bend, bent, one_bend
 
 WIDE = math.sqrt(3.0)
 SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded
+ROUNDED = 1e-9  # of its size: what differs by less is equal
+STEEP = 0.008  # share of the spread by which runs to both sides may miss slopes of another stop
+SIGNS = 8  # stops after which signs repeat
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
@@ -30,9 +33,11 @@ def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # t
 @njit(cache=True, error_model="numpy")
 def slopes_at(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
-    behind, y, A, B, H, G, turn,
+    behind, y, A, B, H, G, turn, passed_on,
 ):  # fmt: skip
     """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there.
+
+    ``passed_on`` (n,): where a state goes that does nothing else, as in a dead time; -1 for others, or if unknown.
 
     The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.  ``turn``
     (n + m,) is by how much that moves the mean of the state, and of the signals.
@@ -43,12 +48,33 @@ def slopes_at(  # type: ignore[no-untyped-def]
     B[:, q] = 0.0
     G[:, q] = 0.0
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
-    nothing = np.zeros(q)
+    nothing, fars = np.zeros(q), np.empty(n)
     for i in range(n):
         variance = 0.0
         for j in range(columns):
             variance += D[i, j] ** 2
-        far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+        fars[i] = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+    together = False
+    if np.any(passed_on >= 0):  # these move at once, if they still do nothing else
+        for i in range(n):
+            moved_z[i] = z[i] + (fars[i] if passed_on[i] >= 0 else 0.0)
+        status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
+        if status != 0:
+            return status
+        read(W, places[1], up)
+        read(W, shown, y_up)
+        down[:] = behind
+        for i in range(n):
+            if passed_on[i] >= 0:
+                down[passed_on[i]] += fars[i]
+        together = np.all(np.abs(up - down) <= ROUNDED * size) and np.all(np.abs(y_up - y) <= ROUNDED * np.abs(y))
+    for i in range(n):
+        far = fars[i]
+        if together and passed_on[i] >= 0:
+            A[:, i] = 0.0
+            H[:, i] = 0.0
+            A[passed_on[i], i] = 1.0
+            continue
         for way in range(2):
             moved_z[:] = z
             moved_z[i] += far if way == 0 else -far
@@ -80,6 +106,21 @@ def slopes_at(  # type: ignore[no-untyped-def]
     if not bent(B, G):
         turn[:] = 0.0
     return 0
+
+
+@njit(cache=True, error_model="numpy")
+def passing_on(A, H):  # type: ignore[no-untyped-def]
+    """Return where each state goes that does nothing else, (n,); -1 for others."""
+    n = len(A)
+    found, taken = np.full(n, -1), np.zeros(n, dtype=np.bool_)
+    for i in range(n):
+        to = -1
+        for k in range(n):
+            if A[k, i] != 0.0:
+                to = k if to == -1 and abs(A[k, i] - 1.0) <= ROUNDED else -2
+        if to >= 0 and not taken[to] and not np.any(H[:, i] != 0.0):
+            found[i], taken[to] = to, True
+    return found
 
 
 @njit(cache=True, error_model="numpy")
@@ -140,4 +181,49 @@ def straight(  # type: ignore[no-untyped-def]
             off = moved[i] - y[i] - way * math.sqrt(variance)
             if off**2 > KINKED**2 * variance:
                 return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def as_steep(  # type: ignore[no-untyped-def]
+    I, W, buffer, base_I, base_W, places, shown, noisy, t, phi, sd, k, A, B, H, G, z, D, columns, behind, y, E, Y,
+    width, aside, drawn,
+):  # fmt: skip
+    """Return whether slopes of another stop are those of stop ``k``: runs to both sides of it end where they say.
+
+    All that is not known moves at once, with signs that change from stop to stop, so nothing hides for long.
+    """
+    n, m = len(z), len(y)
+    step, to, to_y = np.zeros(n), np.empty(n), np.empty(m)
+    for j in range(columns):
+        sign = 1.0 if (k >> (j % SIGNS)) & 1 else -1.0
+        for i in range(n):
+            step[i] += sign * D[i, j]
+    for way in (WIDE, -WIDE):
+        for i in range(n):
+            aside[i] = z[i] + way * step[i]
+        for j in range(len(noisy)):
+            drawn[j] = way * sd[j]
+        if arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, aside, drawn) != 0:
+            return False
+        read(W, places[1], to)
+        read(W, shown, to_y)
+        if not ends(A, B, way, step, sd, to, behind, E, width) or not ends(H, G, way, step, sd, to_y, y, Y, width):
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def ends(A, B, way, step, sd, to, middle, E, width):  # type: ignore[no-untyped-def]
+    """Return whether a run ends where slopes say, but for a small part of the spread."""
+    for i in range(len(to)):
+        off, variance = to[i] - middle[i], 0.0
+        for j in range(len(step)):
+            off -= way * A[i, j] * step[j]
+        for j in range(len(sd)):
+            off -= way * B[i, j] * sd[j]
+        for j in range(width):
+            variance += E[i, j] ** 2
+        if off**2 > STEEP**2 * variance:
+            return False
     return True

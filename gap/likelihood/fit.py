@@ -140,7 +140,7 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
             probe = one.noisier(now, changed)
         else:
             # an effect changes gains, which counts as long as innovations are large
-            near = None if name in one.own else now
+            near = None if name in one.own and now.gross else now
             found = tried(one, {**now.values, **changed}, near) or tried(one, {**now.values, **changed})
             if found is None:
                 continue

@@ -15,6 +15,7 @@ from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.prepared import Prepared, prepared
+from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -94,6 +95,8 @@ class Hypothesis:
         """
         f, p = self.frame, self.prepared
         full = {**self.nominal, **values}
+        if near is None and (known := self.latest.get((f.record, f.draws, joined))) and known.values == full:
+            return replace(known, hypothesis=self)
         I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
         phi, sd = self.noise_with(full)
         z = standing(W, self.places[0])
@@ -120,7 +123,10 @@ class Hypothesis:
             gains, kinks, turns, shown, e, S,
         )  # fmt: skip
         complain(status)
-        return Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
+        found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
+        self.latest.clear()
+        self.latest[f.record, f.draws, joined] = found
+        return found
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
@@ -139,8 +145,13 @@ class Hypothesis:
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""
         other = replace(self, frame=frame)
-        other.__dict__["prepared"] = self.prepared
+        other.__dict__.update(prepared=self.prepared, latest=self.latest)
         return other
+
+    @cached_property
+    def latest(self) -> "dict[tuple[Record, int, bool], Innovations]":
+        """The latest filter of its own, which fits of other rows of the same record begin with."""
+        return {}
 
     def model(self, values: Mapping[str, float]) -> Diagram:
         """Return the diagram, with its nuisances, that these values stand for."""

@@ -109,7 +109,7 @@ def prepared(
     for block in list(quiet.blocks):
         key = f"{block.name}.{block.dead_time_param}"
         theta = block.dead_time if block.dead_time_param else 0.0
-        most = max(2.0 * theta, min(longest.get(key, 0.0), TAPS * scan))
+        most = max(theta, min(longest.get(key, 0.0), TAPS * scan))
         if most > 0.0:
             dt = scan * max(1, math.ceil(most / scan / TAPS))
             quiet = quiet.with_params({key: 0.0})

@@ -1,5 +1,7 @@
 """The filter whose prediction is the diagram's own run, beside the exact filter of what is linear and scanned."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from stickslip.blocks import PI, SampledPI, Staircase, Sum
@@ -85,3 +87,35 @@ def test_hardly_any_dead_time_is_none(scanned: bool) -> None:
     hardly = one.filtered({"theta": 0.05})
     assert one.changed["tank:dead_time"].params["theta_start"] == pytest.approx(0.5, abs=0.05)  # 50 at first, before
     assert hardly.nll == pytest.approx(Hypothesis(frame).filtered({}).nll, abs=30.0)
+
+
+def test_a_wave_that_moves_a_linear_loop_leaves_its_slopes() -> None:
+    # analytic: slopes of a linear loop do not depend on what moves it; stops differ by what samples on the way
+    opened, record = read(site_flow(), site_log(site_flow(), FLOWS, 5.0))
+    sine = next(e for e in CATALOGUE if e.name == "sine_disturbance")
+    one = Hypothesis(Frame(Given(opened), record), sine, sine.places(opened)[0])
+    found = one.filtered({"amplitude": 0.2, "period": 90.0, "phase": 0.3})
+    assert found.path is not None
+    assert len(found.path.slopes[0]) < 0.05 * len(one.frame.stops[0])
+
+
+def test_a_dead_time_passes_its_states_on_in_each_kind_of_stop() -> None:
+    opened, record = read(second_order_flow(), site_log(second_order_flow(), FLOWS, 5.0))
+    one = Hypothesis(Frame(Given(opened), record))
+    path = one.filtered({}).path
+    assert path is not None
+    chain = [k for k, name in enumerate(one.names) if "late" in name and "u_" in name]
+    A = path.slopes[0][:, chain][:, :, chain]
+    shift, hold = np.eye(len(chain), k=-1), np.eye(len(chain))
+    assert len(chain) > 2
+    assert all(np.allclose(a, shift, atol=1e-6) or np.allclose(a, hold, atol=1e-6) for a in A)
+    assert np.allclose(A[-1], A[-1].round(), atol=1e-12)
+
+
+def test_a_filter_is_not_run_twice_for_other_rows_that_count() -> None:
+    one = Hypothesis(framed(tank(), logged(tank(), 2)))
+    known = one.filtered({})
+    apart = one.of(replace(one.frame, apart=True))
+    assert apart.filtered({}).gains is known.gains
+    assert apart.filtered({}).hypothesis is apart
+    assert one.filtered({"feed.sd": 0.02}).gains is not known.gains
