@@ -67,7 +67,9 @@ def slopes_at(  # type: ignore[no-untyped-def]
         for i in range(n):
             if passed_on[i] >= 0:
                 down[passed_on[i]] += fars[i]
-        together = np.all(np.abs(up - down) <= ROUNDED * size) and np.all(np.abs(y_up - y) <= ROUNDED * np.abs(y))
+        together = bool(np.all(np.abs(up - down) <= ROUNDED * size)) and bool(
+            np.all(np.abs(y_up - y) <= ROUNDED * np.abs(y))
+        )
     for i in range(n):
         far = fars[i]
         if together and passed_on[i] >= 0:

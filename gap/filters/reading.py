@@ -17,7 +17,6 @@ from stickslip.gap.records.record import RARE, rounding, switch_rows
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there
 NEAR = 4  # rows behind a switch of an input that tell of its scan
-SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +74,6 @@ class Filtering(Held):
         return tuple(str(self.quiet[name].output_labels[0]) for name in self.controllers)
 
     @cached_property
-    def signals(self) -> tuple[str, ...]:
-        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
-        return tuple(sorted(self.record.pinned, key=lambda s: self.ops.index(s) if s in self.ops else -1))
-
-    @cached_property
     def acts(self) -> NDArray[np.int64]:
         """Which controller gives each signal, -1 for measurements."""
         return np.array([self.ops.index(s) if s in self.ops else -1 for s in self.signals])
@@ -109,12 +103,6 @@ class Filtering(Held):
         return {key: self.given.stated[key] for key in self.free}
 
     @cached_property
-    def Y(self) -> Floats:
-        """Logged values, (rows, signals); NaN where they are not good."""
-        log = self.record.log
-        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
-
-    @cached_property
     def r(self) -> Floats:
         """Variance of the log's rounding of each signal, not quite 0 where it does not round."""
         log = self.record.log
@@ -124,18 +112,6 @@ class Filtering(Held):
             step = self.record.computed.get(s, 0.0) or rounding(values)
             found.append(max(step**2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
         return np.array(found)
-
-    @cached_property
-    def sure(self) -> Floats:
-        """Negative log likelihood of a certain value of each signal, (signals,): a rounded value has the likelihood
-        1/step.
-        """
-        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
-
-    @cached_property
-    def skipped(self) -> int:
-        """Rows at the beginning that are not judged."""
-        return min(SKIPPED, len(self.Y) // 4)
 
     @cached_property
     def scans(self) -> int:

@@ -19,16 +19,16 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.records.given import SURE
 from stickslip.gap.telling.causes import named_cause, said_of
 from stickslip.gap.telling.nuisances import stated_wrongly
+from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.sizes import SEEN, shrinkage_of_losses
 from stickslip.gap.telling.structure import by_wiring
-from stickslip.gap.telling.words import LISTED, NO_PLACE
+from stickslip.gap.telling.words import LISTED
 
 Floats = NDArray[np.float64]
 FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs
 STEM_SPREAD = {"S": 0.05, "J": 0.2, "width": 0.06}  # share by which sizes of a bank of stems are off (tuning records)
 DIGITS_SPREAD = {"step": 0.01, "deviation": 0.15}
 PRIOR_OF_UNKNOWN = f"Of all gaps {100.0 * OUTSIDE:.0f} % are taken to have a cause that is in no catalogue."
-ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
 def told(outcome: Outcome, sureness: Sureness) -> GapReport:
@@ -72,7 +72,8 @@ def _limits(o: Outcome) -> list[str]:
 
 def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
     elsewhere = o.stem is not None and not o.stem.follows
-    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(o.plain.best)
+    plain = o.plain.best
+    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(plain.explanation.filtering, plain.judged)
     best = o.found[0] if o.found else None
     place = best.best.explanation.place if best and best.best.explanation.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
@@ -218,25 +219,6 @@ def _ahead(one: Filtered, first: int) -> Filtered:
         return left(one.explanation, followed_on(near).values)
     fitted = refined(explanation.filtered(one.values), free_names(explanation), 5)
     return one.explanation.filtered(fitted.best.values)
-
-
-def abnormal_segment(plain: Filtered) -> tuple[str, ...]:
-    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
-
-    The innovations of a measurement are wrong only if what drives it is; those of the controller's output, given the
-    measurement, only if the controller is, or the measurement is not what it has seen.
-    """
-    f = plain.explanation.filtering
-    excess = np.nanmean(plain.judged**2, axis=0) - 1.0
-    measured, acting = np.flatnonzero(f.acts < 0), np.flatnonzero(f.acts >= 0)
-    k = int(np.argmax(excess))
-    if len(acting) and len(measured) and excess[acting].max() < max(3.0 * excess[measured].max(), ABNORMAL):
-        k = int(measured[np.argmax(excess[measured])])
-    driver = f.quiet.blocks[f.quiet.driven[f.signals[k]][0]].name
-    logged = [s for s in f.record.log.names if s in f.quiet.signals]
-    blocks = next(one.blocks for one in f.quiet.segments(logged) if driver in one.blocks)
-    places = tuple(name for name in blocks if f.quiet[name].role not in NO_PLACE and ":" not in name)
-    return places or (driver,)
 
 
 def _report(

@@ -17,7 +17,6 @@ from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
-SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
 NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 SAME = 1e-6  # of an interval: stops nearer to each other are one
@@ -52,11 +51,6 @@ class Frame(Held):
         return tuple(s for s in self.record.pinned if s in given)
 
     @cached_property
-    def signals(self) -> tuple[str, ...]:
-        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
-        return tuple(sorted(self.record.pinned, key=lambda s: s in self.ops))
-
-    @cached_property
     def probed(self) -> NDArray[np.bool_]:
         """Signals that tell whether anything bends within the spread: outputs of controllers, else all."""
         return np.array([s in self.ops or not self.ops for s in self.signals])
@@ -77,12 +71,6 @@ class Frame(Held):
         return {s: self.record.source(s) for s in self.record.played}
 
     @cached_property
-    def Y(self) -> Floats:
-        """Logged values, (rows, signals); NaN where they are not good."""
-        log = self.record.log
-        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
-
-    @cached_property
     def r(self) -> Floats:
         """Variance of the log's rounding of each signal."""
         found = []
@@ -91,16 +79,6 @@ class Frame(Held):
             step = self.record.computed.get(self.signals[j], 0.0) or rounding(known)
             found.append(max(step**2 / 12.0, (FINEST * float(np.std(known))) ** 2, 1e-300))
         return np.array(found)
-
-    @cached_property
-    def sure(self) -> Floats:
-        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
-        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
-
-    @cached_property
-    def skipped(self) -> int:
-        """Rows at the beginning that do not count."""
-        return min(SKIPPED, len(self.Y) // 4)
 
     @cached_property
     def counted(self) -> NDArray[np.bool_]:

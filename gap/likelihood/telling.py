@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from stickslip.blocks.role import Role
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from stickslip.gap.answers.sureness import Sureness
@@ -16,12 +15,11 @@ from stickslip.gap.likelihood.search import price
 from stickslip.gap.records.given import sizes
 from stickslip.gap.telling.causes import named_cause, said_of
 from stickslip.gap.telling.nuisances import stated_wrongly
+from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.structure import by_wiring
+from stickslip.gap.telling.words import LISTED
 
 OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue
-LISTED = 12  # explanations in the ranking
-NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
-ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
 def told(o: Outcome) -> GapReport:
@@ -73,7 +71,7 @@ def _named(o: Outcome) -> GapReport:
 
 
 def _unknown(o: Outcome) -> GapReport:
-    near = abnormal_segment(o.null)
+    near = abnormal_segment(o.null.hypothesis.frame, o.null.best.judged)
     best = o.fits[0] if o.fits else None
     place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
@@ -134,25 +132,6 @@ def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
     shares = _posterior(o, o.fits)
     first = tuple(Rank(_name(fit), fit.hypothesis.place, sure) for fit in o.firsts[:1])
     return first + tuple(Rank(_name(fit), fit.hypothesis.place, sure * shares[fit]) for fit in o.fits[:LISTED])
-
-
-def abnormal_segment(null: Fit) -> tuple[str, ...]:
-    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
-
-    The innovations of a controller's output, given the measurement, are wrong only if the controller is, or if the
-    measurement is not what it has seen; those of a measurement only if what drives it is.
-    """
-    f = null.hypothesis.frame
-    excess = np.nanmean(null.best.judged**2, axis=0) - 1.0
-    acting = np.array([s in f.ops for s in f.signals])
-    k = int(np.argmax(excess))
-    if acting.any() and not acting.all() and excess[acting].max() < max(3.0 * excess[~acting].max(), ABNORMAL):
-        k = int(np.flatnonzero(~acting)[np.argmax(excess[~acting])])
-    driver = f.quiet.blocks[f.quiet.driven[f.signals[k]][0]].name
-    logged = [s for s in f.record.log.names if s in f.quiet.signals]
-    blocks = next(one.blocks for one in f.quiet.segments(logged) if driver in one.blocks)
-    places = tuple(name for name in blocks if f.quiet[name].role not in NO_PLACE and ":" not in name)
-    return places or (driver,)
 
 
 def _report(

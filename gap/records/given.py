@@ -1,16 +1,21 @@
 """What a model states, whatever it is held against; an effect that is in it already has sizes that are free."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.answers.report import Size
 from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record
 
+Floats = NDArray[np.float64]
+SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
 SURE = 1.645  # standard deviations of an interval of 90 %
 
 
@@ -154,3 +159,34 @@ class Held:
     def noise(self) -> tuple[Nuisance, ...]:
         """Sources of random numbers."""
         return self.given.noise
+
+    @property
+    @abstractmethod
+    def ops(self) -> tuple[str, ...]:
+        """The outputs of controllers that are logged or foretold."""
+
+    @property
+    @abstractmethod
+    def r(self) -> Floats:
+        """Variance of the log's rounding of each signal."""
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
+        return tuple(sorted(self.record.pinned, key=lambda s: self.ops.index(s) if s in self.ops else -1))
+
+    @cached_property
+    def Y(self) -> Floats:
+        """Logged values, (rows, signals); NaN where they are not good."""
+        log = self.record.log
+        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
+
+    @cached_property
+    def sure(self) -> Floats:
+        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
+        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+
+    @cached_property
+    def skipped(self) -> int:
+        """Rows at the beginning that are not judged: a start is forgotten there."""
+        return min(SKIPPED, len(self.Y) // 4)

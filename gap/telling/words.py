@@ -20,6 +20,7 @@ from stickslip.gap.floors.problem import Problem
 from stickslip.gap.records.model import nuisances
 from stickslip.gap.telling.creep import about_creep, coarse, creeps, least_sizes
 from stickslip.gap.telling.residual_shape import shape
+from stickslip.gap.telling.segment import NO_PLACE
 from stickslip.gap.telling.separating import staircase_separates, tags
 from stickslip.gap.telling.sizes import SEEN, shares, shrinkage, sizes
 from stickslip.gap.telling.structure import by_wiring
@@ -28,7 +29,6 @@ from stickslip.gap.telling.swapping import swapped
 Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not separate
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
-NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 BOTH = 0.03  # share of the gap that two effects explain beyond what one must, where none of them is a stem
 LISTED = 12  # explanations in the ranking
 

@@ -1,0 +1,28 @@
+"""The segment of a diagram, between logged signals, in which a gap lies that no effect explains."""
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.blocks.role import Role
+from stickslip.gap.records.given import Held
+
+NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
+ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
+
+
+def abnormal_segment(held: Held, judged: NDArray[np.float64]) -> tuple[str, ...]:
+    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
+
+    The innovations of a measurement, (rows, signals), are wrong only if what drives it is; those of the controller's
+    output, given the measurement, only if the controller is, or the measurement is not what it has seen.
+    """
+    excess = np.nanmean(judged**2, axis=0) - 1.0
+    acting = np.array([s in held.ops for s in held.signals])
+    k = int(np.argmax(excess))
+    if acting.any() and not acting.all() and excess[acting].max() < max(3.0 * excess[~acting].max(), ABNORMAL):
+        k = int(np.flatnonzero(~acting)[np.argmax(excess[~acting])])
+    quiet = held.quiet
+    driver = quiet.blocks[quiet.driven[held.signals[k]][0]].name
+    logged = [s for s in held.record.log.names if s in quiet.signals]
+    blocks = next(one.blocks for one in quiet.segments(logged) if driver in one.blocks)
+    places = tuple(name for name in blocks if quiet[name].role not in NO_PLACE and ":" not in name)
+    return places or (driver,)
