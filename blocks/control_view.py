@@ -41,7 +41,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
     remembers = False  # whether the modes depend on what they were
     samples: SeenSamples | None = None
     seen_modes: SeenModes | None = None
-    _smoothed: Any = None  # its continuous twin, once a diagram has asked: one for all diagrams
+    _smoothed: Any = None  # what python-control simulates in its place, once a diagram has asked
 
     def _owner(self) -> str:
         return str(self.name)
