@@ -1,8 +1,9 @@
 """Where pytest finds the examples in docstrings: in the modules that users import, ``stickslip.blocks.pi``.
 
 Commands, pages and examples fit few loops, and each many times.  A record is fitted once in each process of tests.
-Each process has one thread of linear algebra: those of small matrix products cost more than they save, and the workers
-take all cores already.
+Each process has one thread of linear algebra: those of small matrix products cost more than they save.  A worker of
+xdist, and what it starts, keeps to one core: the workers take all of them already, and threads of two workers that
+share two cores cost a tenth more of the processor.
 """
 
 import os
@@ -15,6 +16,9 @@ from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is first imported
+if "PYTEST_XDIST_WORKER" in os.environ and hasattr(os, "sched_setaffinity"):
+    cores = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {cores[int(os.environ["PYTEST_XDIST_WORKER"][2:]) % len(cores)]})
 
 import pytest
 

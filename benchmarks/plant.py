@@ -129,7 +129,7 @@ def main() -> None:
     """Measure everything and print it."""
     chosen = options(__doc__.splitlines()[0], PARTS)
     begin_load = os.getloadavg()[0]
-    rounds = 3 if chosen.quick else 15
+    rounds = 1 if chosen.quick else 15
     with announced("an accurate run of LSODA to compare with"):
         subject = Subject()
     parts: dict[str, Callable[[], Figures]] = {

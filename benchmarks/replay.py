@@ -62,7 +62,7 @@ def replay_figures(repeats: int) -> Figures:
             def batch(log=log, valve=valve, gains=gains):
                 return replays(flow_loop(valve, False), log, params={"process.K": gains}, keep_logs=False, summary=rms)
 
-            figures["replay_batch_ms"] = 1e3 * median_seconds(batch, 3) / len(gains)
+            figures["replay_batch_ms"] = 1e3 * median_seconds(batch, min(repeats, 3)) / len(gains)
     return figures
 
 

@@ -123,7 +123,7 @@ def exponent(sizes, costs) -> float:
 def main() -> None:
     """Measure everything and print it."""
     chosen = options(__doc__.splitlines()[0])
-    repeats = 5 if chosen.quick else 30
+    repeats = 1 if chosen.quick else 30
     case = find("ideal_high")
     loop = case.build()
     exact = exact_run()
@@ -149,7 +149,7 @@ def main() -> None:
     costs = []
     for count in sizes:
         diagram = many_loops(count)
-        costs.append(median_seconds(lambda d=diagram: simulate(d, 600.0, every=0.1), 5))
+        costs.append(median_seconds(lambda d=diagram: simulate(d, 600.0, every=0.1), min(repeats, 5)))
     figures["fifty_loops_s"] = costs[sizes.index(50)]
     figures["scaling_exponent"] = exponent(sizes, costs)
 
@@ -164,8 +164,8 @@ def main() -> None:
 
     figures |= replay_figures(repeats)
 
-    figures |= start_figures(3 if chosen.quick else 7)
-    figures["help_process_s"] = process_seconds(["-m", "stickslip", "--help"], 3 if chosen.quick else 7)
+    figures |= start_figures(1 if chosen.quick else 7)
+    figures["help_process_s"] = process_seconds(["-m", "stickslip", "--help"], 1 if chosen.quick else 7)
     figures["cores"] = os.cpu_count()
     raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 

@@ -180,11 +180,14 @@ class Block(ControlView):
 
         A source stays what its twin is: random numbers would be jumps that a solver has to find.
         """
-        twin = self.smooth() if self._smoothed is None else self._smoothed
-        if twin is not self and not (twin.samples_kept or twin.remembers):  # what keeps a past stands in one diagram
-            self._smoothed = twin
-        samples = self.takes_samples and not twin.seen_states() and bool(twin.ports_in)
-        return SampledView(self, twin) if samples else twin
+        first: Block | None = self._smoothed
+        if first is None:
+            twin = self.smooth()
+            samples = self.takes_samples and not twin.seen_states() and bool(twin.ports_in)
+            first = SampledView(self, twin) if samples else twin
+            self._smoothed = None if first is self else first
+        shared = first is self or not (first.samples_kept or first.remembers)
+        return first if shared else first.with_params()  # a copy: what keeps a past stands in one diagram
 
     def unseen(self) -> str:
         """Return what python-control's simulator does not see of the block, "" if it sees all of it."""
@@ -326,6 +329,13 @@ class SampledView(Block):
         )  # fmt: skip
         self.p = self._p_now = block.p  # with the tables behind the parameters
         self._taking = block.going_by(block.p)
+
+    def _copy(self) -> Self:
+        other = super()._copy()
+        other._taking = self.block.going_by(self.block.p)
+        if self._twin.samples_kept:
+            other._twin = other if self._twin is self else self._twin.with_params()
+        return other
 
     @property
     def twin(self) -> Block:

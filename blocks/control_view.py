@@ -3,7 +3,7 @@
 import copy
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import control as ct
@@ -34,11 +34,14 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
     x0: Floats
     y0: Floats
     _p_now: Floats
+    _given_names: tuple[str, ...] = ()  # what python-control gave last, whose it is, and where it goes
+    _own_given: Sequence[tuple[str, int]] = ()
+    _others_given: Sequence[str] = ()
     keeps_mode = False  # of a stem, when slopes are taken of it
     remembers = False  # whether the modes depend on what they were
     samples: SeenSamples | None = None
     seen_modes: SeenModes | None = None
-    _smoothed: Any = None  # its continuous twin, once a diagram has asked: one for all diagrams
+    _smoothed: Any = None  # what python-control simulates in its place, once a diagram has asked
 
     def _owner(self) -> str:
         return str(self.name)
@@ -112,22 +115,31 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         Python-control hands every system of an interconnection the parameters of all: others' are not ours, even
         where they are called alike.
         """
-        given, prefix = params or {}, self.params.prefix
-        joined = all(prefix + key in given for key in self.param_names)
+        given = params or {}
+        if (names := (self.params.prefix, *given)) != self._given_names:  # mostly the same again, many thousand times
+            self._given_names, self._own_given, self._others_given = names, *self._own_of(given)
         p = self.p.copy()
-        for key, value in given.items():
-            if key.startswith(prefix):
-                p[self.param_index(key.removeprefix(prefix))] = value
-            elif not joined:
-                p[self.param_index(key)] = value
-            elif key in self.param_names:
-                warnings.warn(
-                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every "
-                    f"system has its own; to change the block's write '{prefix}{key}'",
-                    stacklevel=2,
-                )
+        for key, place in self._own_given:
+            p[place] = given[key]
+        for key in self._others_given:
+            warnings.warn(
+                f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every "
+                f"system has its own; to change the block's write '{names[0]}{key}'",
+                stacklevel=2,
+            )
         self._p_now = p
         self.samples = self.seen_modes = None
+
+    def _own_of(self, given: Mapping[str, float]) -> tuple[list[tuple[str, int]], list[str]]:
+        """Return the keys that are parameters of this block, with their places, and those that only seem to be."""
+        prefix, own, others = self.params.prefix, [], []
+        joined = all(prefix + key in given for key in self.param_names)
+        for key in given:
+            if key.startswith(prefix) or not joined:
+                own.append((key, self.param_index(key.removeprefix(prefix))))
+            elif key in self.param_names:
+                others.append(key)
+        return own, others
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
         if self.host is not None:

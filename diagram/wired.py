@@ -33,6 +33,7 @@ from stickslip.diagram.wiring import (
 
 D = TypeVar("D", bound="Wired")
 
+_Step = tuple[int, slice, NDArray[np.intp], slice]
 UNNAMED = "diagram"  # the name of a diagram to which nobody gave one
 
 
@@ -68,7 +69,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._past: Past | None = None
-        self._seen_order: tuple[int, ...] | None = None
+        self._seen_flow: list[_Step] | None = None
         self._for_slopes = False
         self._shown = False
         seen = [block.seen() for block in self.blocks]
@@ -138,7 +139,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
             return other
         other = self._copy()
         other.blocks = tuple(blocks)
-        other.syslist, other._seen_order = seen, None
+        other.syslist, other._seen_flow = seen, None
         other._fix_params(_all_params(seen))
         return other
 
@@ -166,7 +167,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
                 "or use stickslip.diagram.linear.linearise"
             )
         other = self._copy()
-        other.syslist, other._for_slopes, other._seen_order = [block.twin for block in self.syslist], True, None
+        other.syslist, other._for_slopes, other._seen_flow = [block.twin for block in self.syslist], True, None
         other._fix_params(_all_params(other.syslist))
         return super(Wired, other).linearize(x0, u0, t, params, **keywords)
 
@@ -184,28 +185,37 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         Python-control sweeps all blocks until no signal changes.  A signal that is no number never settles so, and was
         called an algebraic loop.  Where continuous twins act at once in a circle it still has to.
         """
-        if self._seen_order is None:
-            try:
-                self._seen_order = tuple(flow_order(self.syslist, self.driven, seen_feeds))
-            except WiringError:
-                self._seen_order = ()
-        if not self._seen_order:
+        if self._seen_flow is None:
+            self._seen_flow = self._flow()
+        if not self._seen_flow:
             return super()._compute_static_io(t, x, u)  # type: ignore[no-any-return]
-        values = dict(zip(self.open_inputs, np.ravel(u), strict=False))
-        given: list[Any] = [None] * len(self.blocks)
-        taken: list[Any] = [None] * len(self.blocks)
-        starts = np.cumsum([0, *(block.nstates for block in self.syslist)])
+        *steps, (_, _, reads, said) = self._seen_flow
+        values = np.zeros(said.stop + 1)
+        given = np.ravel(u)[: said.start]
+        values[: len(given)] = given
+        for b, own, inputs, outputs in steps:
+            values[outputs] = np.ravel(self.syslist[b].out_now(t, x[own], values[inputs], self._shown))
+        ulist = values[reads]  # those that do not act at once came first
+        return ulist, np.concatenate([values[said], ulist])
 
-        def read(b: int) -> NDArray[np.float64]:
-            return np.array([values.get(s, 0.0) for s in self.blocks[b].input_labels], dtype=float)
+    def _flow(self) -> list["_Step"]:
+        """Return each block in the order of signal flow, with its places in the states and in one array of values.
 
-        for b in self._seen_order:
-            taken[b] = read(b)
-            given[b] = np.ravel(self.syslist[b].out_now(t, x[starts[b] : starts[b + 1]], taken[b], self._shown))
-            values.update(zip(self.blocks[b].output_labels, given[b], strict=True))
-        taken = [read(b) for b in range(len(self.blocks))]  # those that do not act at once came first
-        ulist = np.concatenate([np.zeros(0), *taken])
-        return ulist, np.concatenate([np.zeros(0), *given, ulist])
+        The values are the open inputs, then all outputs, then 0 for what nobody gives.  The last step is of the whole
+        diagram.  There is none where continuous twins act at once in a circle.
+        """
+        try:
+            order = flow_order(self.syslist, self.driven, seen_feeds)
+        except WiringError:
+            return []
+        says = [list(block.output_labels) for block in self.blocks]
+        at = {s: k for k, s in enumerate([*self.open_inputs, *(s for labels in says for s in labels)])}
+        states = np.cumsum([0, *(block.nstates for block in self.syslist)])
+        outputs = np.cumsum([len(self.open_inputs), *map(len, says)])
+        reads = [np.array([at.get(s, len(at)) for s in block.input_labels], dtype=np.intp) for block in self.blocks]
+        steps = [(b, slice(states[b], states[b + 1]), reads[b], slice(outputs[b], outputs[b + 1])) for b in order]
+        whole = slice(0, states[-1]), np.concatenate([np.zeros(0, np.intp), *reads]), slice(outputs[0], outputs[-1])
+        return [*steps, (-1, *whole)] if steps else []
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)

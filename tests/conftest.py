@@ -4,6 +4,7 @@ A shell that starts the tests in the background lets them and all they start ign
 heard.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -20,7 +21,11 @@ COMPILED = pytest.StashKey[list[str]]()
 
 
 def pytest_collection_finish(session):
-    """Note which functions numba has compiled, or loaded from its cache, while tests were collected."""
+    """Note which functions numba has compiled, or loaded from its cache, while tests were collected.
+
+    What collecting has made, some million objects, stays to the end: the search for garbage need not look at it.
+    """
+    gc.freeze()
     numba = sys.modules.get("numba.core.dispatcher")
     session.config.stash[COMPILED] = [
         f"{name}.{key}"

@@ -328,8 +328,8 @@ class _Runs:
 
 
 def _work(runs: _Runs, n: int, workers: int, progress: Progress) -> None:
-    """Let the runs work while this thread tells the progress and listens for Ctrl-C; one run alone needs no other."""
-    if n == 1 and progress is False:
+    """Let the runs work while this thread tells the progress and hears Ctrl-C; what one does alone needs no other."""
+    if min(workers, n) == 1 and progress is False:
         with suppress(KeyboardInterrupt):
             runs.work()
         return

@@ -4,7 +4,7 @@ import pickle
 
 import control as ct
 import numpy as np
-from stickslip.blocks import FirstOrder, SampledPI, SampledSensor
+from stickslip.blocks import FirstOrder, HeValve, SampledPI, SampledSensor
 from stickslip.diagram import wire
 
 
@@ -34,3 +34,13 @@ def test_a_twin_does_not_travel_with_its_block():
     size = len(pickle.dumps(sensor))
     assert sensor.seen() is sensor.seen()
     assert len(pickle.dumps(sensor)) == size
+
+
+def test_samples_that_one_diagram_has_taken_are_not_those_of_another():
+    valve = HeValve(4.0, 2.0, 1.0, high=100.0, start=50.0)
+    first, other = valve.seen(), valve.seen()
+    assert first.samples_kept
+    none = np.zeros(0)
+    for t, view, op in ((0.0, first, 50.0), (0.0, other, 50.0), (1.5, first, 90.0), (3.0, other, 51.0)):
+        stem = float(view.out_now(t, none, np.array([op]))[0])
+    assert stem == 50.0  # 1 % is less than it sticks by, unless it has been at 90 %
