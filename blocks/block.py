@@ -20,7 +20,7 @@ from stickslip.blocks.kernels import Floats, Host, Kernel, Kernels
 from stickslip.blocks.named_kernels import Names, in_arrays
 from stickslip.blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
 from stickslip.blocks.role import Role
-from stickslip.blocks.stated import check_role, checked_tolerances, one_each, start_values
+from stickslip.blocks.stated import check_role, checked_span, checked_tolerances, one_each, start_values
 
 __all__ = ["Block", "Floats", "Host", "Kernel", "Kernels"]
 
@@ -89,9 +89,7 @@ class Block(ControlView):
                 raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
             self.units[key] = text(name, f"unit of {key}", unit)
         self.check(dict(zip(self.param_names, named.tolist(), strict=True)), name)
-        self.spans: dict[str, tuple[float, float]] = {
-            key: self._span(name, key, span) for key, span in (spans or {}).items()
-        }
+        self.spans = {key: checked_span(name, key, span, self.units) for key, span in (spans or {}).items()}
         for key, value in (*states.items(), *memory.items()):
             rule = math.isfinite(number(name, key, value))
             require(rule, name, key, value, "it must start at a finite number", "give one as start")
@@ -139,15 +137,6 @@ class Block(ControlView):
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         return other
-
-    def _span(self, name: str, key: str, span: Any) -> tuple[float, float]:
-        """Return low and high end of an instrument's span, refusing what is none."""
-        if key not in self.units:
-            raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
-        ends = [number(name, f"span of {key}", end) for end in np.ravel(span).tolist()]
-        rule = len(ends) == 2 and ends[0] < ends[1]
-        require(rule, name, f"span of {key}", span, "it is a low and a higher end", "give e.g. (0.0, 1.0)")
-        return ends[0], ends[1]
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.input_labels)} -> {', '.join(self.output_labels)}"

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +24,16 @@ def check_role(block: ControlView, role: str, plays: Mapping[str, str]) -> None:
             raise BlockError(f"{block.name}: '{part}' is no part in a loop; {nearest(part, PARTS)}")
         if port not in ports:
             raise BlockError(f"block '{block.name}' has no port '{port}'; {nearest(port, ports)}")
+
+
+def checked_span(name: str, key: str, span: Any, units: Mapping[str, str]) -> tuple[float, float]:
+    """Return low and high end of an instrument's span, refusing what is none; ``units`` of the ports that there are."""
+    if key not in units:
+        raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(units))}")
+    ends = [number(name, f"span of {key}", end) for end in np.ravel(span).tolist()]
+    rule = len(ends) == 2 and ends[0] < ends[1]
+    require(rule, name, f"span of {key}", span, "it is a low and a higher end", "give e.g. (0.0, 1.0)")
+    return ends[0], ends[1]
 
 
 def checked_tolerances(block: ControlView, shares: Mapping[str, float]) -> dict[str, float]:
