@@ -35,12 +35,12 @@ class Size:
     reason: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON, which has no infinite numbers."""
-        own: dict[str, Any] = {
-            key: x if x is not None and math.isfinite(x) else None
-            for key, x in (("value", self.value), ("low", self.low), ("high", self.high))
-        }
-        return own | ({"reason": self.reason} if self.reason else {})
+        """For JSON, which has no infinite numbers; what is null has a reason."""
+        given = {"value": self.value, "low": self.low, "high": self.high}
+        own: dict[str, Any] = {key: x if x is not None and math.isfinite(x) else None for key, x in given.items()}
+        endless = any(x is not None and math.isinf(x) for x in given.values())
+        why = self.reason or ("the interval has no end" if endless else "no interval is known")
+        return own | ({"reason": why} if self.reason or None in own.values() else {})
 
     def __str__(self) -> str:
         if self.value is None:
@@ -51,20 +51,27 @@ class Size:
 
 
 def widened(values: Floats) -> Floats:
-    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign."""
-    if not np.isfinite(values).all():
+    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign; inf stays."""
+    known = np.isfinite(values)
+    if not known.any():
         return values
-    middle = float(np.median(values))
+    middle, found = float(np.median(values[known])), values.astype(float)
     if np.all(values * middle > 0.0):
-        return np.asarray(middle * (values / middle) ** WIDER)
-    return middle + WIDER * (values - middle)
+        found[known] = middle * (values[known] / middle) ** WIDER
+    else:
+        found[known] = middle + WIDER * (values[known] - middle)
+    return found
 
 
-def size_of(values: Floats, reason: str = "") -> Size:
-    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone."""
+def size_of(values: Floats, reason: str = "", endless: str = "") -> Size:
+    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone.
+
+    ``endless`` : the reason where half of the values or more are infinite
+    """
     values = widened(values)
     way: Any = "linear" if np.isfinite(values).all() else "nearest"
     low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
+    reason = reason or (endless if math.isinf(middle) else "")
     return Size(None if reason else middle, low, high, reason)
 
 
