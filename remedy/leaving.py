@@ -33,8 +33,11 @@ class Cost:
 
     def words(self, unit: str) -> str:
         """It in a sentence."""
-        swing = f"With the stick SP - PV swings {self.ratio} times as far"
-        return f"{swing}, and the stem travels {self.travel} {unit}/h more."
+        swing, more = f"With the stick SP - PV swings {self.ratio} times as far", self.travel
+        word = "more"
+        if more.value is not None and more.value < 0.0:  # a free stem follows the noise in OP too
+            more, word = Size(-more.value, -(more.high or 0.0), -(more.low or 0.0)), "less"
+        return f"{swing}, and the stem travels {more} {unit}/h {word}."
 
 
 def cost_between(none: Outcome, free: Outcome) -> Cost:
