@@ -4,8 +4,9 @@
     gain(part) = least cost where nothing differs - least cost where the part does        [nats]
 
 T is the temperature of the population, so that the loops of one time weigh as much as the log of the other.  The loops
-are those of the time that shows a stick, which say more of the loop; where both do, of the earlier one.  Load and
-noise are each time's own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
+are those of the time that shows a stick, which say more of the loop; where both do, or none, those of each time are
+asked in turn: what differs by a fault of one fit does not differ the other way round.  Load and noise are each time's
+own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
 made better by the simplex of Nelder and Mead.  r stays: a stem that may slip anywhere has any S.
 A bank's likelihood varies with its random numbers.  It has no bias, its logarithm has: the mean of others counts.
 """
@@ -53,7 +54,7 @@ class Together:
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    scan : [s];  between : samples between two turns of OP
+    backwards : whether the loops are the later time's;  scan : [s];  between : samples between two turns of OP
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
@@ -62,9 +63,9 @@ class Pair:
     True
     """
 
-    def __init__(self, earlier: LoopFit, later: LoopFit) -> None:
-        self._fits, days = (earlier, later), (*earlier.days, *later.days)
-        self._known, self._other = (later, earlier) if later.sticks and not earlier.sticks else (earlier, later)
+    def __init__(self, earlier: LoopFit, later: LoopFit, backwards: bool = False) -> None:
+        self._fits, days, self._backwards = (earlier, later), (*earlier.days, *later.days), backwards
+        self._known, self._other = (later, earlier) if backwards else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
         self.between = max(1, round(self._time / self.scan))
         at = np.array([self._values(one) for one in self._known.loops])
@@ -103,6 +104,13 @@ class Pair:
                 for day, path in zip(fit.days, predicted(fit.days, loop, noise).shown, strict=True)
             ])  # fmt: skip
         return found
+
+    def answers(self, lefts: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
+        """The answers to the stem beside which this is left of PV."""
+        return [
+            [day.pv[: len(left)] - left for day, left in zip(fit.days, own, strict=True)]
+            for fit, own in zip(self._fits, lefts, strict=True)
+        ]
 
     def _values(self, one: Loop) -> Floats:
         """All that a loop may differ in: its coordinates and the logarithm of its gain."""
@@ -162,5 +170,5 @@ class Pair:
         """The same by the mean of likelihoods over draws that did not serve to find it, the earlier time first."""
         costs = [self._tried(one.x, one.differs, one.noises[1], draw).cost for draw in DRAWS]
         cost = math.log(len(DRAWS)) - float(np.logaddexp.reduce([-each for each in costs]))
-        way = -1 if self._known is self._fits[1] else 1
+        way = -1 if self._backwards else 1
         return replace(one, loops=one.loops[::way], noises=one.noises[::way], cost=cost)

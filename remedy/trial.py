@@ -189,14 +189,8 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
             np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
-        made.append(
-            Outcome(
-                setting,
-                *(np.where(stays[i][stays[0]], own, math.inf) for own in values),
-                pv[0],
-                op[0] + float(day.op[0]),
-            )
-        )
+        pv_sd, op_sd, travel, turns = (np.where(stays[i][stays[0]], own, math.inf) for own in values)
+        made.append(Outcome(setting, pv_sd, op_sd, travel, turns, pv[0], op[0] + float(day.op[0])))
     return made
 
 

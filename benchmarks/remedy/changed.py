@@ -5,6 +5,7 @@ and noise of each time are drawn anew.  Three pairs follow: the first time with 
 
 right   the change is named first          beside  something else is named with it, and is wrong
 none    nothing is named                   wrong   something else is named first
+refused     no loop could be fitted, as where the change makes the hidden loop run away; counted nowhere else
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ def _named(first: LoopFit, later: Plant) -> dict[str, Any]:
 
 def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
     """A line for each change, and for none."""
-    lines, right = [], 0
+    lines, right, refused = [], 0, sum("refused" in row for row in rows)
+    rows = [row for row in rows if "refused" not in row]
     moved = [row for row in rows if row["change"] != "nothing"]
     for change in CHANGES:
         own = [row["named"] for row in moved if row["change"] == change]
@@ -63,6 +65,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         )
     still = [row["named"] for row in rows if row["change"] == "nothing"]
     lines.append(f"all changes                {len(moved):3} pairs: right {right}")
+    lines.append(f"refused                    {refused:3} pairs")
     lines.append(f"nothing                    {len(still):3} pairs: none named {sum(not named for named in still)}")
     return lines
 
