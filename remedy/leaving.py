@@ -12,12 +12,10 @@ from typing import Any
 
 import numpy as np
 from stickslip.remedy.loop_fit import LoopFit, Size, size_of
-from stickslip.remedy.measures.setting import Setting
+from stickslip.remedy.measures.repair import FREE
 from stickslip.remedy.trial import NOTHING, Outcome, outcomes
 
 __all__ = ["Cost", "cost", "cost_between"]
-
-FREE = Setting("no stick is left", {}, factors={"valve.S": 0.0, "valve.J": 0.0})
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from stickslip.remedy import changes, fit, lacks
 from stickslip.remedy.changing import _both_ways, _slow, _spread
+from stickslip.remedy.process import Loop
 from stickslip.remedy.together import PARTS, Pair
 
 from benchmarks.remedy.plants import Plant
@@ -51,8 +52,8 @@ def test_the_part_in_which_loops_and_log_differ_gains_most(earlier, part, other)
 
 
 def _pair(before, after, gain):
-    loops = tuple(SimpleNamespace(K=K) for K in (before, after))
-    return SimpleNamespace(own={"process_gain": SimpleNamespace(loops=loops)}, gain=lambda part: gain)
+    loops = tuple(Loop(False, 5.0, 1.5, False, K, 30.0, 5.0, 10.0) for K in (before, after))
+    return SimpleNamespace(own={"process_gain": SimpleNamespace(loops=loops)}, gain=lambda part: gain, scan=1.0)
 
 
 @pytest.mark.parametrize(
