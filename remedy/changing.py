@@ -66,13 +66,19 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     found: list[Change | None] = [
         _change(part, sizes[part], moved[part], gains[part], units[part], part == best, alike) for part in PARTS
     ]  # fmt: skip
-    found += [_controller(effect, earlier, later, unit) for effect, unit in (
-        ("controller_gain", f"{op} per {pv}"), ("controller_integral_time", "s")
-    )]  # fmt: skip
+    scans = [fit.days[0].dt for fit in (earlier, later)]
+    even = abs(scans[1] - scans[0]) <= 0.02 * scans[0]
+    if even:
+        found += [_controller("controller_gain", earlier, later, f"{op} per {pv}")]
+        found += [_controller("controller_integral_time", earlier, later, "s")]
+    else:
+        apart_by = f"The logs have rows every {scans[0]:g} and {scans[1]:g} s"
+        notes.append(f"{apart_by}, so that controller, noise and load are not compared.")
     may_be = [part for part in PARTS if gains[part] > max(gains[best] - ALIKE, 0.0) or (apart and part == "stiction")]
     likely = [(pair, pair.own[part]) for pair in pairs for part in may_be]
     likely += [(pair, pair.shared) for pair in pairs if gains[best] < FROM_FIT[best]]
-    found += [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=False)]
+    left = [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=False)]
+    found += left if even else left[2:]
     if any(one.loops[0].integrating for _, one in likely):
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
     compared = [one for one in found if one is not None]

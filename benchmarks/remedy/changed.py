@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
@@ -79,8 +80,8 @@ def main() -> None:
     given = parser.parse_args()
     rows = kept(given.json)
     done = {row["seed"] for row in rows}
-    for i in range(given.plants):
-        seed = given.first + i + i // (len(LAWS) - 1)  # every last law is sound
+    sticky = (seed for seed in count(given.first) if LAWS[seed % len(LAWS)] != "sound")
+    for i, seed in enumerate(islice(sticky, given.plants)):
         if seed not in done:
             asked = [CHANGES[(2 * i + k) % len(CHANGES)] for k in (0, 1)]
             rows += appended(given.json, pairs(seed, asked))

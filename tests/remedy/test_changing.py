@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from stickslip.logs import LoopRecord
 from stickslip.remedy import changes, fit, lacks
 from stickslip.remedy.changing import _both_ways, _slow, _spread
 from stickslip.remedy.process import Loop
@@ -93,6 +94,15 @@ def test_a_retuned_controller_is_told_to_the_per_cent(plant, earlier):
     assert (only.effect, only.place) == ("controller_gain", "controller")
     assert only.ratio.value == pytest.approx(0.8, rel=0.01)
     assert not changes(earlier, earlier).gap
+
+
+def test_a_coarser_log_of_the_same_loop_names_no_controller(plant, earlier):
+    # every third row reads another K_p and T_i, and another load from row to row
+    whole = plant.record()
+    t, pv, op, sp = (one[::3] for one in (whole.t, whole.pv, whole.op, whole.sp))
+    found = changes(earlier, fit(LoopRecord.from_arrays(t, pv=pv, op=op, sp=sp, op_span=(0.0, 100.0))))
+    assert not found.gap and any("are not compared" in note for note in found.notes)
+    assert not {"controller_gain", "disturbance", "sensor_noise"} & {one.effect for one in found.compared}
 
 
 def test_a_loop_without_stick_lacks_one(earlier):
