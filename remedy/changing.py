@@ -61,6 +61,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
         moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
         gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
+    best = "stiction" if apart and gains["stiction"] >= FROM_FIT["stiction"] else best  # each fit says so by itself
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
     alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
     found: list[Change | None] = [
@@ -159,8 +160,10 @@ def _of_left(pair: Pair, likely: Together, unit: str) -> list[Change]:
     integrating = likely.loops[0].integrating
     before, after = (abs(one.K) + 1e-300 for one in likely.loops)
     loads = pair.lefts(likely, own=True)
-    fine = [_fine(own) for own in loads]
-    slow = _slow(loads, pair.answers(loads), pair.between, [float(np.mean(one)) for one in fine], 1 + integrating)
+    answers = pair.answers(loads)
+    least = MISSED**2 * max(float(np.mean(_fine(own))) for own in answers)
+    fine = [np.maximum(_fine(own), least) for own in loads]
+    slow = _slow(loads, answers, pair.between, [float(np.mean(one)) for one in fine], 1 + integrating)
     found = [_spread("sensor_noise", fine, unit), _spread("disturbance", slow, unit, math.log(after / before))]
     return found if integrating else [*found, _level(pair.lefts(likely), unit)]
 

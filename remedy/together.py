@@ -23,7 +23,7 @@ from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import LITTLE, TEMPER
-from stickslip.remedy.process import Loop, beside, predicted
+from stickslip.remedy.process import Found, Loop, beside, predicted
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
@@ -83,7 +83,8 @@ class Pair:
             starts = [(x, off) for x in (shared.x, *at[:STARTS]) for off in self._offs(free, x)]
             own[part] = self._likeliest(free, [(shared.x, still), *starts])
         again = [self._tried(one.x, still, one.noises[1]) for one in own.values()]
-        self.shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
+        shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
+        self.shared = min(shared, self._theirs(still), key=lambda one: one.cost)
         self.own = {part: self._weighed(one) for part, one in own.items()}
 
     def gain(self, part: str) -> float:
@@ -166,9 +167,34 @@ class Pair:
         )
         return best
 
+    def _theirs(self, still: Floats) -> Together:
+        """The likeliest loop of the other time for both logs: the known time's population may have missed it.
+
+        That log is asked itself here, for no spread about a wrong middle says how unlikely it is with this loop.
+        """
+        one, fits = self._other.best, (self._known, self._other)
+        known, there, base = (
+            [beside(fit.days, loop, fit.found.noises, draw) for draw in DRAWS]
+            for fit, loop in ((fits[0], one), (fits[1], one), (fits[0], fits[0].best))
+        )  # fmt: skip
+
+        def nll(found: Sequence[Found]) -> float:
+            return _of_mean([each.nll for each in found])
+
+        cost = max(nll(known) - nll(base), 0.0) + nll(there)
+        return self._ordered(Together(self._values(one), still, (one, one), (known[0].noises, there[0].noises), cost))
+
     def _weighed(self, one: Together) -> Together:
         """The same by the mean of likelihoods over draws that did not serve to find it, the earlier time first."""
         costs = [self._tried(one.x, one.differs, one.noises[1], draw).cost for draw in DRAWS]
-        cost = math.log(len(DRAWS)) - float(np.logaddexp.reduce([-each for each in costs]))
+        return self._ordered(replace(one, cost=_of_mean(costs)))
+
+    def _ordered(self, one: Together) -> Together:
+        """The same, the earlier time first."""
         way = -1 if self._backwards else 1
-        return replace(one, loops=one.loops[::way], noises=one.noises[::way], cost=cost)
+        return replace(one, loops=one.loops[::way], noises=one.noises[::way])
+
+
+def _of_mean(nlls: Sequence[float]) -> float:
+    """The nll of the mean of likelihoods."""
+    return math.log(len(nlls)) - float(np.logaddexp.reduce([-each for each in nlls]))

@@ -5,7 +5,7 @@ and noise of each time are drawn anew.  Three pairs follow: the first time with 
 
 right   the change is named first          beside  something else is named with it, and is wrong
 none    nothing is named                   wrong   something else is named first
-refused     no loop could be fitted, as where the change makes the hidden loop run away; counted nowhere else
+refused     no loop could be fitted, or the change makes the hidden loop run away; counted nowhere else
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from stickslip.remedy import FitError, changes, fit
 from stickslip.remedy.loop_fit import LoopFit
 
@@ -42,7 +43,10 @@ def pairs(seed: int, asked: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def _named(first: LoopFit, later: Plant) -> dict[str, Any]:
-    answer = changes(first, fit(later.record()))
+    record = later.record()
+    if not np.all(np.abs(record.op - 50.0) <= 50.0):
+        raise FitError("the hidden loop runs away: OP leaves its span")
+    answer = changes(first, fit(record))
     return {
         "named": [one.effect for one in answer.changed],
         "all": {one.effect: [one.nats, one.earlier.value, one.later.value] for one in answer.compared},

@@ -78,6 +78,13 @@ def test_the_loops_of_either_time_may_be_the_known_ones(earlier):
     assert after > 1.5 * before
 
 
+def test_a_population_about_a_wrong_middle_is_no_change(earlier):
+    # seed 9709: S was 0.95 in one fit and 3.1 in the other, and a larger stick was named with 88 nats
+    off = replace(earlier, loops=tuple(replace(one, S=0.6 * one.S, J=0.6 * one.J) for one in earlier.loops[1:]))
+    wrong = replace(off, loops=(earlier.best, *off.loops))  # its own log tells the best loop as well
+    assert Pair(wrong, earlier).gain("stiction") < 10.0
+
+
 def test_what_no_loop_tells_of_a_cycle_is_no_load():
     # seed 8503: 5 and 1 % of the answer to the stem were left where the load stood, and named as a load that fell
     t = np.arange(4000.0)
