@@ -56,7 +56,7 @@ def widened(values: Floats) -> Floats:
     if not known.any():
         return values
     middle, found = float(np.median(values[known])), values.astype(float)
-    if np.all(values * middle > 0.0):
+    if np.all(values[known] * middle > 0.0):
         found[known] = middle * (values[known] / middle) ** WIDER
     else:
         found[known] = middle + WIDER * (values[known] - middle)
