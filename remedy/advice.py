@@ -3,7 +3,7 @@
     score = sd(SP - PV) / that of none + 0.05 travel / that of none        of each fitted loop, the median over all
 
 Of the settings of a remedy the one with the least score stands for it.  Recommended is the remedy of least score of
-those that are allowed: it swings less than none in at least 85 % of the fitted loops, as wide as their intervals are,
+those that are allowed: it swings less than none in at least 90 % of the fitted loops, as wide as their intervals are,
 and its score is lower.  Until the shutdown these are settings and programs of the controller; at the shutdown, the
 valve too.
 """
@@ -23,7 +23,7 @@ from stickslip.remedy.leaving import Cost, cost_between
 from stickslip.remedy.loop_fit import LoopFit, Size, size_of, widened
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.setting import Situation
-from stickslip.remedy.trial import NOTHING, Outcome, outcomes, settling
+from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +32,8 @@ __all__ = ["Advice", "Tried", "remedies"]
 
 Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
-SURE = 0.85  # share of the fitted loops, widened, that swing less
+LONG = "longer than the run"
+SURE = 0.9  # share of the fitted loops, widened, that swing less
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +62,9 @@ class Tried:
         one = self.outcome
         return {
             "name": self.name, "settings": dict(one.setting.values), "words": self.settings,
-            "pv_sd": size_of(one.pv_sd).to_dict(), "op_sd": size_of(one.op_sd).to_dict(),
-            "travel_per_h": size_of(one.travel).to_dict(), "reversals_per_h": size_of(one.reversals).to_dict(),
-            "sp_settling_s": self.sp_time.to_dict(), "load_settling_s": self.load_time.to_dict(),
-            "score": self.score, "better_in": self.better, "at_shutdown": self.at_shutdown, "not_for": self.not_for,
+            **one.to_dict(), "sp_settling_s": self.sp_time.to_dict(), "load_settling_s": self.load_time.to_dict(),
+            "score": self.score if math.isfinite(self.score) else None, "better_in": self.better,
+            "at_shutdown": self.at_shutdown, "not_for": self.not_for,
         }  # fmt: skip
 
 
@@ -103,11 +103,11 @@ class Advice(Shown):
                 found.append(f"{when}: nothing that was tried helps for sure; leave the loop as it is.")
                 continue
             one = self[name]
-            low, high = np.percentile(widened(one.outcome.pv_sd / self.none.outcome.pv_sd), [5.0, 95.0])
+            share = size_of(100.0 * one.outcome.pv_sd / self.none.outcome.pv_sd)
             caveat = f" Not where there is: {one.not_for}." if one.not_for else ""
             found.append(
                 f"{when}: {name}, {one.settings}. The standard deviation of SP - PV goes from {sd:.3g} to "
-                f"{np.median(one.outcome.pv_sd):.3g} ({100 * low:.0f} to {100 * high:.0f} % of now), "
+                f"{np.median(one.outcome.pv_sd):.3g} ({share.low:.0f} to {share.high:.0f} % of now), "
                 f"travel from {np.median(self.none.outcome.travel):.3g} to {np.median(one.outcome.travel):.3g} "
                 f"{self.fit.op_unit} an hour.{caveat}"
             )
@@ -118,13 +118,8 @@ class Advice(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """The advice for JSON."""
-        one = self.none.outcome
         return {
-            "loop": self.fit.name,
-            "none": {
-                "pv_sd": size_of(one.pv_sd).to_dict(), "op_sd": size_of(one.op_sd).to_dict(),
-                "travel_per_h": size_of(one.travel).to_dict(), "reversals_per_h": size_of(one.reversals).to_dict(),
-            },
+            "loop": self.fit.name, "none": self.none.outcome.to_dict(),
             "remedies": [each.to_dict() for each in self.tried],
             "until_shutdown": self.until_shutdown, "at_shutdown": self.at_shutdown,
             "travel_weight": TRAVEL, "cost": self.cost.to_dict(),
@@ -137,13 +132,15 @@ class Advice(Shown):
         found = []
         for each in (self.none, *self.tried):
             one = each.outcome
-            low, middle, high = np.percentile(widened(one.pv_sd), [5.0, 50.0, 95.0])
-            less, same, more = 100.0 * np.percentile(widened(one.pv_sd / none.pv_sd), [5.0, 50.0, 95.0])
-            found.append([
-                each.name, f"{middle:.3g} ({low:.3g} to {high:.3g})", f"{same:.0f} ({less:.0f} to {more:.0f})",
-                f"{np.median(one.op_sd):.3g}", f"{24 * np.median(one.travel):.4g}",
-                f"{24 * np.median(one.reversals):.0f}", _time(each.sp_time), _time(each.load_time),
-            ])  # fmt: skip
+            sd, share = size_of(one.pv_sd, endless=UNSTABLE), size_of(100.0 * one.pv_sd / none.pv_sd)
+            counts = (np.median(one.op_sd), 24 * np.median(one.travel), 24 * np.median(one.reversals))
+            found.append(
+                [each.name, str(sd), f"{share.value:.0f} ({share.low:.0f} to {share.high:.0f})"]
+                + [f"{count:{form}}" for count, form in zip(counts, (".3g", ".4g", ".0f"), strict=True)]
+                if sd.value is not None
+                else [each.name, "not stable", *[""] * 4]
+            )
+            found[-1] += [_time(each.sp_time), _time(each.load_time)]
         return found
 
     def columns(self) -> list[str]:
@@ -209,7 +206,7 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     tried = [
         Tried(
             name, shutdown, not_for, best, _score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
-            size_of(sp), size_of(load),
+            size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
         for (name, shutdown, not_for, best), (sp, load) in zip(
             [("none", False, "", none), *chosen], times, strict=True

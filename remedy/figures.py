@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
+from stickslip.remedy.loop_fit import widened
 from stickslip.remedy.process import predicted
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from stickslip.remedy.loop_fit import LoopFit
 
 SHOWN = 12.0  # turns of OP in a picture
+MOST = 3.0  # medians, to which an interval is drawn
 
 
 def plot_fit(fit: LoopFit) -> Figure:
@@ -72,15 +75,15 @@ def plot_advice(advice: Advice) -> Figure:
     axes[len(axes) // 2].set_ylabel(f"PV - SP [{fit.pv_unit}]" if fit.pv_unit else "PV - SP")
     ax = figure.add_subplot(grid[:, 1])
     for one in (advice.none, *advice.tried):
-        x, y = 24.0 * one.outcome.travel, one.outcome.pv_sd
+        travel = 24.0 * float(np.median(one.outcome.travel))
+        low, middle, high = np.percentile(widened(one.outcome.pv_sd), [5.0, 50.0, 95.0], method="nearest")
+        if math.isinf(middle):
+            continue
         chosen = one.name in ("none", advice.until_shutdown, advice.at_shutdown)
         colour = INK if one is advice.none else COLOURS["PV"] if chosen else SOFT
-        low, middle, high = np.percentile(y, [5.0, 50.0, 95.0])
-        ax.plot([np.median(x)] * 2, [low, high], color=colour, lw=1.0)
-        ax.plot(np.median(x), middle, "o", ms=5.0, color=colour)
-        ax.annotate(
-            one.name, (np.median(x), middle), fontsize=7, xytext=(5, 2), textcoords="offset points", color=colour
-        )
+        ax.plot([travel] * 2, [low, min(high, MOST * middle)], color=colour, lw=1.0)
+        ax.plot(travel, middle, "o", ms=5.0, color=colour)
+        ax.annotate(one.name, (travel, middle), fontsize=7, xytext=(5, 2), textcoords="offset points", color=colour)
     ax.set_xscale("symlog", linthresh=max(24.0 * float(np.median(advice.none.outcome.travel)) / 30.0, 1e-9))
     ax.set_xlabel(f"stem travel [{fit.op_unit} a day]")
     ax.set_ylabel("standard deviation of SP - PV")

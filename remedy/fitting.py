@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.stems import stems_of
-from stickslip.detect.prepare.prepared import prepared
+from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
@@ -29,6 +29,7 @@ __all__ = ["FitError", "fit"]
 
 GAIN, SURE = 10.0, 20.0  # nats
 FEWEST = 200  # samples
+WHOLE = 0.9  # of a record and of its rows, below which it is said
 
 
 class FitError(ValueError):
@@ -66,6 +67,7 @@ def fit(
         if day is None:
             raise FitError("OP or PV stands still all along; log a stretch in automatic in which both move")
         days.append(day)
+        notes += _left_out(loop.with_stale.record, grid)
     if any(abs(day.dt - days[0].dt) > 0.02 * days[0].dt for day in days):
         raise FitError(
             f"the records have rows every {', '.join(f'{day.dt:g}' for day in days)} s; give records of one interval"
@@ -113,6 +115,15 @@ def fit(
         given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, likely, gain, sticks,
         evidence, lefts, tuple(notes),
     )  # fmt: skip
+
+
+def _left_out(record: LoopRecord, grid: Grid) -> list[str]:
+    """What is to be said of a record that the even grid does not hold as it was logged."""
+    hours, used = (float(t[-1] - t[0]) / 3600.0 for t in (record.t, grid.t))
+    logged = float(np.sum(record.good & (record.t >= grid.t[0]) & (record.t <= grid.t[-1]))) / len(grid)
+    short = f"{used:.3g} h of {hours:.3g} h are fitted: the longest stretch without a gap, or its last part."
+    thin = f"{100 * (1.0 - logged):.0f} % of the rows are not logged; PV goes in lines there, and OP stands."
+    return [short] * (used < WHOLE * hours) + [thin] * (logged < WHOLE)
 
 
 def _evidence(days: Sequence[Day]) -> Evidence | None:

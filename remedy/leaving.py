@@ -12,12 +12,10 @@ from typing import Any
 
 import numpy as np
 from stickslip.remedy.loop_fit import LoopFit, Size, size_of
-from stickslip.remedy.measures.setting import Setting
+from stickslip.remedy.measures.repair import FREE
 from stickslip.remedy.trial import NOTHING, Outcome, outcomes
 
 __all__ = ["Cost", "cost", "cost_between"]
-
-FREE = Setting("no stick is left", {}, factors={"valve.S": 0.0, "valve.J": 0.0})
 
 
 @dataclass(frozen=True)
@@ -33,8 +31,11 @@ class Cost:
 
     def words(self, unit: str) -> str:
         """It in a sentence."""
-        swing = f"With the stick SP - PV swings {self.ratio} times as far"
-        return f"{swing}, and the stem travels {self.travel} {unit}/h more."
+        swing, more = f"With the stick SP - PV swings {self.ratio} times as far", self.travel
+        word = "more"
+        if more.value is not None and more.value < 0.0:  # a free stem follows the noise in OP too
+            more, word = Size(-more.value, -(more.high or 0.0), -(more.low or 0.0)), "less"
+        return f"{swing}, and the stem travels {more} {unit}/h {word}."
 
 
 def cost_between(none: Outcome, free: Outcome) -> Cost:

@@ -35,12 +35,12 @@ class Size:
     reason: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON, which has no infinite numbers."""
-        own: dict[str, Any] = {
-            key: x if x is not None and math.isfinite(x) else None
-            for key, x in (("value", self.value), ("low", self.low), ("high", self.high))
-        }
-        return own | ({"reason": self.reason} if self.reason else {})
+        """For JSON, which has no infinite numbers; what is null has a reason."""
+        given = {"value": self.value, "low": self.low, "high": self.high}
+        own: dict[str, Any] = {key: x if x is not None and math.isfinite(x) else None for key, x in given.items()}
+        endless = any(x is not None and math.isinf(x) for x in given.values())
+        why = self.reason or ("the interval has no end" if endless else "no interval is known")
+        return own | ({"reason": why} if self.reason or None in own.values() else {})
 
     def __str__(self) -> str:
         if self.value is None:
@@ -51,20 +51,27 @@ class Size:
 
 
 def widened(values: Floats) -> Floats:
-    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign."""
-    if not np.isfinite(values).all():
+    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign; inf stays."""
+    known = np.isfinite(values)
+    if not known.any():
         return values
-    middle = float(np.median(values))
-    if np.all(values * middle > 0.0):
-        return np.asarray(middle * (values / middle) ** WIDER)
-    return middle + WIDER * (values - middle)
+    middle, found = float(np.median(values[known])), values.astype(float)
+    if np.all(values[known] * middle > 0.0):
+        found[known] = middle * (values[known] / middle) ** WIDER
+    else:
+        found[known] = middle + WIDER * (values[known] - middle)
+    return found
 
 
-def size_of(values: Floats, reason: str = "") -> Size:
-    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone."""
+def size_of(values: Floats, reason: str = "", endless: str = "") -> Size:
+    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone.
+
+    ``endless`` : the reason where half of the values or more are infinite
+    """
     values = widened(values)
     way: Any = "linear" if np.isfinite(values).all() else "nearest"
     low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
+    reason = reason or (endless if math.isinf(middle) else "")
     return Size(None if reason else middle, low, high, reason)
 
 
@@ -119,6 +126,18 @@ class LoopFit(Shown):
         """The likeliest loop."""
         return self.loops[0]
 
+    @property
+    def K_p(self) -> Size:
+        """Gain of the controller [unit of OP per unit of PV]."""
+        return Size(self.controller.K_p, *self.controller.spread("K_p"))
+
+    @property
+    def T_i(self) -> Size:
+        """Integral time of the controller [s]."""
+        if not math.isfinite(self.controller.T_i):
+            return Size(None, None, None, "no integral action is seen")
+        return Size(self.controller.T_i, *self.controller.spread("T_i"))
+
     @cached_property
     def S(self) -> Size:
         """Dead travel: movement of OP after a turn until the stem moves [unit of OP]."""
@@ -132,7 +151,7 @@ class LoopFit(Shown):
     def J(self) -> Size:
         """Slip jump [unit of OP]."""
         if not self.sticks:
-            return Size(0.0, 0.0, self.S.high)
+            return self.S
         J = self.each("J")
         return size_of(J, self._only_product("J") if _ratio(J) > WIDE and self.best.J > 0.1 * self.best.S else "")
 
@@ -214,9 +233,6 @@ class LoopFit(Shown):
     def to_dict(self) -> dict[str, Any]:
         """The fit for JSON."""
         law = self.controller
-        K_p, T_i = (Size(value, *law.spread(key)) for key, value in (("K_p", law.K_p), ("T_i", law.T_i)))
-        if not math.isfinite(law.T_i):
-            T_i = Size(None, None, None, "no integral action is seen")
         T_d, T_f = (Size(value, None, None) for value in (law.T_d, law.T_f))
         return {
             "loop": self.name,
@@ -225,7 +241,7 @@ class LoopFit(Shown):
                 "law": "follows" if self.best.follows else "sticks again at every scan", "unit": self.op_unit,
             },
             "controller": {
-                "form": law.form, "K_p": K_p.to_dict(), "T_i": T_i.to_dict(), "T_d": T_d.to_dict(),
+                "form": law.form, "K_p": self.K_p.to_dict(), "T_i": self.T_i.to_dict(), "T_d": T_d.to_dict(),
                 "T_f": T_f.to_dict(),
                 "scan": law.dt, "low": _finite(law.low), "high": _finite(law.high), "explained": law.explained,
             },
@@ -250,12 +266,11 @@ class LoopFit(Shown):
         """What is known, as rows of a table: what, value with its 90 % interval, unit."""
         law, pv, op = self.controller, self.pv_unit or "PV", self.op_unit
         per = "/s" if self.best.integrating else ""
-        T_i = Size(law.T_i, *law.spread("T_i")) if math.isfinite(law.T_i) else Size(None, None, None, "no integral")
         valve = [["dead travel S", str(self.S), op], ["slip jump J", str(self.J), op]]
         lag = [] if self.best.integrating else [["time constant", str(self.tau), "s"]]
         return [
-            ["controller K_p", str(Size(law.K_p, *law.spread("K_p"))), f"{op} per {pv}"],
-            ["controller T_i", str(T_i), "s"],
+            ["controller K_p", str(self.K_p), f"{op} per {pv}"],
+            ["controller T_i", str(self.T_i), "s"],
             *([["controller T_d", f"{law.T_d:.3g}", "s"]] if law.T_d else []),
             *([["filter of PV", f"{law.T_f:.3g}", "s"]] if law.T_f else []),
             *valve, ["process gain K", str(self.K), f"{pv}{per} per {op}"], ["slip at PV, K J", str(self.KJ), pv + per],

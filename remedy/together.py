@@ -4,8 +4,9 @@
     gain(part) = least cost where nothing differs - least cost where the part does        [nats]
 
 T is the temperature of the population, so that the loops of one time weigh as much as the log of the other.  The loops
-are those of the time that shows a stick, which say more of the loop; where both do, of the earlier one.  Load and
-noise are each time's own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
+are those of the time that shows a stick, which say more of the loop; where both do, or none, those of each time are
+asked in turn: what differs by a fault of one fit does not differ the other way round.  Load and noise are each time's
+own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
 made better by the simplex of Nelder and Mead.  r stays: a stem that may slip anywhere has any S.
 A bank's likelihood varies with its random numbers.  It has no bias, its logarithm has: the mean of others counts.
 """
@@ -22,7 +23,7 @@ from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import LITTLE, TEMPER
-from stickslip.remedy.process import Loop, beside, predicted
+from stickslip.remedy.process import Found, Loop, beside, predicted
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
@@ -53,7 +54,7 @@ class Together:
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    scan : [s];  between : samples between two turns of OP
+    backwards : whether the loops are the later time's;  scan : [s];  between : samples between two turns of OP
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
@@ -62,9 +63,9 @@ class Pair:
     True
     """
 
-    def __init__(self, earlier: LoopFit, later: LoopFit) -> None:
-        self._fits, days = (earlier, later), (*earlier.days, *later.days)
-        self._known, self._other = (later, earlier) if later.sticks and not earlier.sticks else (earlier, later)
+    def __init__(self, earlier: LoopFit, later: LoopFit, backwards: bool = False) -> None:
+        self._fits, days, self._backwards = (earlier, later), (*earlier.days, *later.days), backwards
+        self._known, self._other = (later, earlier) if backwards else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
         self.between = max(1, round(self._time / self.scan))
         at = np.array([self._values(one) for one in self._known.loops])
@@ -82,7 +83,8 @@ class Pair:
             starts = [(x, off) for x in (shared.x, *at[:STARTS]) for off in self._offs(free, x)]
             own[part] = self._likeliest(free, [(shared.x, still), *starts])
         again = [self._tried(one.x, still, one.noises[1]) for one in own.values()]
-        self.shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
+        shared = self._weighed(min((shared, *again), key=lambda one: one.cost))  # the likeliest may be so by luck
+        self.shared = min(shared, self._theirs(still), key=lambda one: one.cost)
         self.own = {part: self._weighed(one) for part, one in own.items()}
 
     def gain(self, part: str) -> float:
@@ -103,6 +105,13 @@ class Pair:
                 for day, path in zip(fit.days, predicted(fit.days, loop, noise).shown, strict=True)
             ])  # fmt: skip
         return found
+
+    def answers(self, lefts: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
+        """The answers to the stem beside which this is left of PV."""
+        return [
+            [day.pv[: len(left)] - left for day, left in zip(fit.days, own, strict=True)]
+            for fit, own in zip(self._fits, lefts, strict=True)
+        ]
 
     def _values(self, one: Loop) -> Floats:
         """All that a loop may differ in: its coordinates and the logarithm of its gain."""
@@ -158,9 +167,34 @@ class Pair:
         )
         return best
 
+    def _theirs(self, still: Floats) -> Together:
+        """The likeliest loop of the other time for both logs: the known time's population may have missed it.
+
+        That log is asked itself here, for no spread about a wrong middle says how unlikely it is with this loop.
+        """
+        one, fits = self._other.best, (self._known, self._other)
+        known, there, base = (
+            [beside(fit.days, loop, fit.found.noises, draw) for draw in DRAWS]
+            for fit, loop in ((fits[0], one), (fits[1], one), (fits[0], fits[0].best))
+        )  # fmt: skip
+
+        def nll(found: Sequence[Found]) -> float:
+            return _of_mean([each.nll for each in found])
+
+        cost = max(nll(known) - nll(base), 0.0) + nll(there)
+        return self._ordered(Together(self._values(one), still, (one, one), (known[0].noises, there[0].noises), cost))
+
     def _weighed(self, one: Together) -> Together:
         """The same by the mean of likelihoods over draws that did not serve to find it, the earlier time first."""
         costs = [self._tried(one.x, one.differs, one.noises[1], draw).cost for draw in DRAWS]
-        cost = math.log(len(DRAWS)) - float(np.logaddexp.reduce([-each for each in costs]))
-        way = -1 if self._known is self._fits[1] else 1
-        return replace(one, loops=one.loops[::way], noises=one.noises[::way], cost=cost)
+        return self._ordered(replace(one, cost=_of_mean(costs)))
+
+    def _ordered(self, one: Together) -> Together:
+        """The same, the earlier time first."""
+        way = -1 if self._backwards else 1
+        return replace(one, loops=one.loops[::way], noises=one.noises[::way])
+
+
+def _of_mean(nlls: Sequence[float]) -> float:
+    """The nll of the mean of likelihoods."""
+    return math.log(len(nlls)) - float(np.logaddexp.reduce([-each for each in nlls]))

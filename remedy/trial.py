@@ -32,7 +32,8 @@ from stickslip.blocks import (
 from stickslip.blocks.block import Block
 from stickslip.diagram import Diagram, ensemble, wire
 from stickslip.remedy.controller import series
-from stickslip.remedy.loop_fit import LoopFit
+from stickslip.remedy.fitting import FitError
+from stickslip.remedy.loop_fit import LoopFit, size_of
 from stickslip.remedy.measures.setting import Setting
 from stickslip.remedy.process import Loop
 
@@ -41,6 +42,8 @@ __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 Floats = NDArray[np.float64]
 MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
+AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
+UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
 NOTHING = Setting("as it is", {})
 
@@ -49,7 +52,8 @@ NOTHING = Setting("as it is", {})
 class Outcome:
     """What a setting gives on each loop, (loops,): standard deviations of SP - PV and OP, travel, reversals.
 
-    travel [unit of OP per h], reversals [1/h];  pv, op : (n,) of the first loop, for pictures
+    travel [unit of OP per h], reversals [1/h];  all inf where PV runs away;  pv, op : (n,) of the first loop, for
+    pictures
     """
 
     setting: Setting
@@ -59,6 +63,16 @@ class Outcome:
     reversals: Floats
     pv: Floats
     op: Floats
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        names = {
+            "pv_sd": self.pv_sd,
+            "op_sd": self.op_sd,
+            "travel_per_h": self.travel,
+            "reversals_per_h": self.reversals,
+        }
+        return {name: size_of(values, endless=UNSTABLE).to_dict() for name, values in names.items()}
 
 
 def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
@@ -149,7 +163,11 @@ def _of_one_law(
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
-    """What each setting gives on ``count`` loops, under the load of the record."""
+    """What each setting gives on ``count`` loops, under the load of the record.
+
+    The first setting is the loop as it is: fitted loops that are not stable with it cannot be the logged one, and are
+    left out.  Raises ``FitError`` where none is stable.
+    """
     day = fit.days[0]
     n = min(len(fit.lefts[0][0]), MOST)
     loops, loads = fit.loops[:count], [own[0][:n] for own in fit.lefts[:count]]
@@ -157,16 +175,23 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     e = float(sp[0] - day.pv[0])
     start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
     found = _run(fit, loops, settings, loads, sp, start)
+    stays = np.max(np.abs(found["PV"] - day.pv[0]), axis=2) < AWAY * np.ptp(day.pv)  # (settings, loops)
+    if not stays[0].any():
+        raise FitError("no fitted loop is stable as it is, so that nothing can be tried; log the loop for longer")
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
-    return [
-        Outcome(
-            setting, np.std(sp[first:] - found["PV"][i][:, first:], axis=1), np.std(found["OP"][i][:, first:], axis=1),
-            np.sum(np.abs(np.diff(found["MV"][i][:, first:], axis=1)), axis=1) / hours,
-            np.array([_reversals(own[first:]) / hours for own in found["MV"][i]]),
-            found["PV"][i][0], found["OP"][i][0] + float(day.op[0]),
-        )
-        for i, setting in enumerate(settings)
-    ]  # fmt: skip
+    made = []
+    for i, setting in enumerate(settings):
+        pv, op, stem = (
+            np.where(stays[i, :, None], found[name][i], math.nan)[stays[0]] for name in ("PV", "OP", "MV")
+        )  # fmt: skip
+        values = (
+            np.std(sp[first:] - pv[:, first:], axis=1), np.std(op[:, first:], axis=1),
+            np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
+            np.array([_reversals(own[first:]) / hours for own in stem]),
+        )  # fmt: skip
+        pv_sd, op_sd, travel, turns = (np.where(stays[i][stays[0]], own, math.inf) for own in values)
+        made.append(Outcome(setting, pv_sd, op_sd, travel, turns, pv[0], op[0] + float(day.op[0])))
+    return made
 
 
 def _reversals(stem: Floats) -> int:

@@ -8,7 +8,7 @@ so is doing nothing.  Seeds 0 to 19 served to make the fit, and 0 to 59 apart; w
 S, J, K, K J     error of the value over the truth, and how often the 90 % interval holds the truth
 lags             sum of all lags and dead time, in the same way
 controller       K_p and T_i as read
-sd predicted     of SP - PV with each remedy, over what the hidden plant gives
+sd predicted     of SP - PV with each remedy, over what the hidden plant gives, where neither runs away
 best             the remedy recommended until the shutdown has a score within 5 % of the truly best one's, or of none's
 harm             recommended, and swings more than none on the hidden plant
 """
@@ -75,7 +75,7 @@ def _judged(plant: Plant, advice: Advice) -> dict[str, Any]:
         true[one.name] = (own[0], own[0] / sd + TRAVEL * own[1] / travel)
     true_sd = [*(true[one.name][0] for one in advice.tried), sd]
     ratios = [
-        [*(float(x) for x in np.percentile(widened(one.outcome.pv_sd), [50.0, 5.0, 95.0])), own]
+        [*(float(x) for x in np.percentile(widened(one.outcome.pv_sd), [50.0, 5.0, 95.0], method="nearest")), own]
         for one, own in zip((*advice.tried, advice.none), true_sd, strict=True)
     ]
     now = {name: value for name, value in true.items() if not advice[name].at_shutdown}
@@ -115,11 +115,13 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
             )
     pairs = np.array([pair for r in seen for pair in r.get("sd", [])])
     if len(pairs):
-        error = np.abs(pairs[:, 0] / pairs[:, 3] - 1.0)
+        ends = np.isfinite(pairs[:, [0, 3]]).all(axis=1)
+        error = np.abs(pairs[ends, 0] / pairs[ends, 3] - 1.0)
         holds = np.mean((pairs[:, 1] <= pairs[:, 3]) & (pairs[:, 3] <= pairs[:, 2]))
-        lines.append(
-            f"predicted sd: median error {100 * np.median(error):.0f} %; the interval holds {100 * holds:.0f} %"
-        )
+        lines += [
+            f"predicted sd: median error {100 * np.median(error):.0f} % of {ends.sum()} that end",
+            f"the interval of all {len(pairs)} holds {100 * holds:.0f} %",
+        ]
         judged = [r for r in seen if "picked" in r]
         lines.append(f"best remedy picked: {sum(r['picked'] for r in judged)} of {len(judged)}")
         chosen = [r for r in judged if r["chosen"]]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.calibration.crossed.stems import LAWS as ALL
 from stickslip.logs import LoopRecord
 from stickslip.remedy.measures.setting import Setting
-from stickslip.remedy.trial import NOTHING
+from stickslip.remedy.trial import AWAY, NOTHING
 
 from benchmarks.remedy.running import Numbers, Settings, run
 
@@ -196,8 +196,10 @@ class Plant:
         return self.measured(NOTHING)
 
     def measured(self, setting: Setting) -> tuple[float, float]:
-        """Standard deviation of SP - PV and travel per hour under the same load."""
+        """Standard deviation of SP - PV and travel per hour under the same load; inf where PV runs away."""
         pv, _, stem = self.log(setting)
+        if not np.all(np.abs(pv) < AWAY * np.ptp(self.log()[0])):
+            return math.inf, math.inf
         first = int(SKIPPED * len(pv))
         travel = float(np.sum(np.abs(np.diff(stem[first:])))) / ((len(pv) - first) * self.dt / 3600.0)
         return float(np.std((self.sp - pv)[first:])), travel

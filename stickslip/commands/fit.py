@@ -94,7 +94,7 @@ def fitted(files: "Sequence[Path]", stated: "dict[str, Any]") -> "LoopFit":
     from stickslip.engine.notice import noticed
     from stickslip.remedy import fit
 
-    with noticed("the fit of a loop"):
+    with noticed("fit of a loop"):
         return fit(records_of(files, stated), progress=working)
 
 
@@ -123,8 +123,8 @@ def sentences(found: "LoopFit") -> list[str]:
         f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not predicted; the "
         f"stem alone, without the load, leaves {100 * found.free_error:.0f} %."
     )
-    gain = f"A stick predicts PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
-    return [law_line, fits, *([gain] if gain else []), *found.notes]
+    gain = [f"A stick predicts PV better than none by {found.gain:.0f} nats."] if found.sticks else []
+    return [law_line, fits, *gain, *found.notes]
 
 
 def fit_section(found: "LoopFit") -> "Section":

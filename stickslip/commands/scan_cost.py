@@ -26,11 +26,11 @@ def costs(result: "ScanResult", source: str, out: Path, most: int, loop_map: Pat
             if isinstance(record, str):
                 raise ValueError(record)
             found = fit(record)
+            own = cost(found)
         except ValueError as fault:
             return {"cost": None, "sentence": f"Not known, because {fault}."}
         if not found.sticks:
             return {"cost": None, "sentence": "Not known, because the fit sees no stick."}
-        own = cost(found)
         return {"cost": own.to_dict(), "sentence": own.words(found.op_unit)}
 
     rows = judged(result, most, "stiction")

@@ -10,11 +10,13 @@ from stickslip.blocks import GapPI, HeValve
 from stickslip.diagram import drive, simulate
 from stickslip.logs import LoopRecord
 from stickslip.remedy import FitError, cost, fit, python_of, remedies
-from stickslip.remedy.advice import SURE, TRAVEL
+from stickslip.remedy.advice import LONG, SURE, TRAVEL
 from stickslip.remedy.example import sticky
-from stickslip.remedy.measures import REMEDIES
-from stickslip.remedy.measures.setting import Situation
-from stickslip.remedy.trial import NOTHING, diagram_of, outcomes
+from stickslip.remedy.leaving import Cost
+from stickslip.remedy.loop_fit import Size
+from stickslip.remedy.measures import REMEDIES, half_gain
+from stickslip.remedy.measures.setting import Setting, Situation
+from stickslip.remedy.trial import NOTHING, UNSTABLE, diagram_of, outcomes
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,39 @@ def test_what_is_recommended_swings_less_in_its_own_simulation(advice):
         better = advice[name].outcome.pv_sd < advice.none.outcome.pv_sd
         assert np.mean(better) >= SURE
     assert not advice[advice.until_shutdown].at_shutdown
+
+
+def test_a_tuning_without_end_is_no_number_and_says_so(found, monkeypatch):
+    # was NaN in the table and in JSON; seed 9323 of benchmarks.remedy --apart
+    far = Setting("K_p far", {}, factors={"controller.K_p": 100.0})
+    monkeypatch.setattr(half_gain, "settings", lambda at: [far])
+    endless = replace(found, controller=replace(found.controller, low=-math.inf, high=math.inf))
+    advice = remedies(endless)
+    one = json.loads(json.dumps(advice.to_dict(), allow_nan=False))["remedies"][5]
+    assert one["name"] == half_gain.TITLE and one["score"] is None and one["better_in"] == 0.0
+    assert one["pv_sd"]["value"] is None and one["pv_sd"]["reason"] == UNSTABLE
+    assert one["sp_settling_s"]["reason"] == LONG
+    table = [cell for row in advice.rows() for cell in row]
+    assert "not stable" in table and not any("nan" in cell or cell.startswith("inf") for cell in table)
+    assert half_gain.TITLE in advice.words()[2] and "nan" not in " ".join(advice.words())
+    assert "data:image/png" in advice._repr_html_()
+
+
+def test_rows_that_are_not_fitted_or_not_logged_are_said():
+    whole = sticky(hours=0.7, seed=3)
+    kept = (np.arange(len(whole)) < 1100) & ((np.arange(len(whole)) < 700) | (np.arange(len(whole)) % 5 == 0))
+    kept[200:400] = False  # a gap of 400 s: 700 s and more are left behind it
+    t, pv, op, sp = (each[kept] for each in (whole.t, whole.pv, whole.op, whole.sp))
+    one = fit(LoopRecord.from_arrays(t, pv=pv, op=op, sp=sp))
+    assert any("longest stretch without a gap" in note for note in one.notes)
+    assert any("of the rows are not logged" in note for note in one.notes)
+
+
+def test_a_stem_that_travels_less_for_the_stick_is_said_so():
+    # was "travels -167 more": a free stem follows the noise in OP
+    words = Cost(Size(2.0, 1.0, 3.0), Size(-167.0, -197.0, -141.0)).words("%")
+    assert words.endswith("travels 167 (141 to 197) %/h less.")
+    assert Cost(Size(2.0, 1.0, 3.0), Size(16.0, 14.0, 20.0)).words("%").endswith("16 (14 to 20) %/h more.")
 
 
 def test_a_repaired_valve_swings_least(advice):
