@@ -114,8 +114,10 @@ def _kind(best: Filtered) -> str:
     return "filter, noise" if isinstance(effect, SensorNoise) else "filter, white"
 
 
-def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
+def filtering_of(diagram: Diagram, record: Record, asked: bool = True) -> Filtering | None:
     """Return the filter's view of a record; None for a diagram that has no such filter.
+
+    ``asked``: whether the filter is run to see that there is one; who runs it anyhow sees a ``ValueError``.
 
     It needs a load that nobody measures, blocks that scan in step with the log's rows, and controllers, each with its
     measurement logged, and its output, itself or with logged signals added.
@@ -138,7 +140,8 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
         measured = {str(quiet[name].loop_signal("PV")) for name in found.controllers}
         if not measured | set(found.ops) <= set(found.signals):
             return None
-        Explanation(found).filtered({})
+        if asked:
+            Explanation(found).filtered({})
     except (NotAffine, np.linalg.LinAlgError, ValueError):
         return None
     return found

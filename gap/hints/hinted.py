@@ -75,19 +75,19 @@ def _clocks(
 def _exact(one: Mistake) -> Loss:
     """Return L of a log, and the mean of ln(1 + e^2), by the exact filter; infinite where there is none."""
     try:
-        f = filtering_of(*read(one.diagram, one.log))
+        f = filtering_of(*read(one.diagram, one.log), asked=False)
+        if f is None:
+            return NOWHERE
+        left = Explanation(f).filtered({})
     except (GapError, ArithmeticError, ValueError):
         return NOWHERE
-    if f is None:
-        return NOWHERE
-    left = Explanation(f).filtered({})
     return _size(left.e[f.skipped :], left.S[f.skipped :], one.density)
 
 
 def _followed(one: Mistake) -> Loss:
     """Return the same by the filter that follows the runs of the model."""
     try:
-        frame = frame_of(*read(one.diagram, one.log))
+        frame = frame_of(*read(one.diagram, one.log), asked=False)
         if frame is None:
             return NOWHERE
         left = Hypothesis(frame).filtered({})
