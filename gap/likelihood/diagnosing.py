@@ -60,8 +60,10 @@ class Outcome:
     firsts: Sequence[Fit] = ()
 
 
-def frame_of(model: Diagram, record: Record) -> Frame | None:
+def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None:
     """Return what the hypotheses of a record share; None where no filter follows the model.
+
+    ``asked``: whether the filter is run to see that it does; who runs it anyhow sees an ``ArithmeticError``.
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
@@ -72,7 +74,8 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
         alone = Hypothesis(frame)
         if len(alone.prepared.states) > MOST_STATES:
             return None
-        alone.filtered({})
+        if asked:
+            alone.filtered({})
     except (NoFilter, ArithmeticError):
         return None
     return frame
