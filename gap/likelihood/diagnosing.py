@@ -11,7 +11,7 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits
-from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
@@ -109,6 +109,9 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     both = _with_second(alone.fits[0], catalogue, seed, progress)
     if both is None:
         return alone
+    second = _second_alone(alone, both, seed)
+    if second is not None:
+        return second
     same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
     return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
 
@@ -124,6 +127,29 @@ def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: P
         first, catalogue = part, stems
     both = _explained(with_effect(first), catalogue, seed, progress)
     return replace(both, firsts=(first,)) if both.named else None
+
+
+def _second_alone(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
+    """Return that the second of two effects explains the record alone; None if it does not.
+
+    Its size beside another may be one to which the search for a single effect did not come.
+    """
+    one, free = both.named[0].hypothesis, alone.null.best.values
+    if one.hides:
+        return None
+    own = {name: both.named[0].best.values[name] for name in one.own}
+    start = tried(Hypothesis(alone.null.best.hypothesis.frame, one.effect, one.place), {**free, **own})
+    if start is None:
+        return None
+    fit = settled(unfitted(start))
+    pays = price(both.firsts[0]) - both.firsts[0].nll  # for the sizes of the first, which are free in both
+    if price(fit) > min(price(both.named[0]) + pays + TIE, price(alone.fits[0])):
+        return None
+    best = judged(fit, [], seed)
+    if not enough(fit, best, alone.alone):
+        return None
+    fits = (fit, *alone.fits)
+    return replace(alone, fits=fits, best=best, named=_not_told_apart(fits))
 
 
 def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome:

@@ -11,7 +11,7 @@ from stickslip.diagram import Diagram
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.floors.floor import without_gap as runs_of
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.diagnosing import frame_of, outcome, when_switched
 from stickslip.gap.likelihood.fit import refined
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -121,3 +121,16 @@ def test_a_slower_lag_of_the_model_is_named() -> None:
     few = ("positioner_lag", "valve_gain", "process_time_constant", "second_lag", "sensor_lag", "controller_gain")
     (cause,) = diagnose(model, log, catalogue=[effect(name) for name in few], limits=False).causes
     assert (cause.effect, cause.place) == ("positioner_lag", "valve")
+
+
+def test_a_second_effect_that_is_enough_alone_is_named_alone() -> None:
+    # a slow lag stands for a slow valve first, and no size of the valve's rate that is tried first comes near
+    key = "pipeline_pack/effect/valve_rate_limit/737572093"
+    model, log, truth = modelled(next(run for run in trial.runs() if run.key.endswith(key)))
+    opened, record = read(model, log)
+    held = frame_of(opened, record.first_part(0.75))
+    assert held is not None
+    found = outcome(held, [effect("second_lag"), effect("valve_rate_limit")])
+    assert not found.firsts
+    assert found.named[0].hypothesis.effect == effect("valve_rate_limit")
+    assert found.named[0].best.values["rate"] == pytest.approx(100.0 * truth["valve.up"], rel=0.1)  # 4 % one sd
