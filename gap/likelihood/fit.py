@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 ROUNDS = 6
 PROBE = 2e-3  # of a coordinate, for its slope: well above the accuracy of a run
 SETTLED = 0.1  # nats that a step must promise
+FINER, SMALL = 2, 1.0  # times that a probe is made finer that moves an innovation by more standard deviations
+STRAIGHT = 0.3  # share of its move that a probe of a tenth may leave of an innovation with a slope
 FELT = 1e-3  # information of a parameter below which the record says nothing of it
 WIDEST = 0.7  # largest change of a coordinate in one step
 
@@ -134,18 +136,23 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
         if not math.isfinite(now.values[name]):
             continue
         at, high = coordinate(one, name, now.values[name]), coordinate(one, name, one.bounds[name][1])
-        step = PROBE if at + PROBE <= high else -PROBE
-        changed = {name: value(one, name, at + step)}
+        step, bent = PROBE if at + PROBE <= high else -PROBE, np.zeros(now.e.shape, dtype=np.bool_)
         if name in one.noise_keys:
-            probe = one.noisier(now, changed)
+            probe = one.noisier(now, {name: value(one, name, at + step)})
         else:
             # an effect changes gains, which counts as long as innovations are large
             near = None if name in one.own and now.gross else now
-            found = tried(one, {**now.values, **changed}, near) or tried(one, {**now.values, **changed})
+            found = _probed(now, name, at + step, near)
+            for _ in range(FINER if found is not None and (now.kinks.any() or _far(now, found) > SMALL) else 0):
+                finer = _probed(now, name, at + 0.1 * step, near)
+                if finer is None or found is None:
+                    break
+                bent = np.abs(finer.missed - now.missed) > STRAIGHT * np.abs(found.missed - now.missed)
+                found, step = finer, 0.1 * step
             if found is None:
                 continue
             probe = found
-        d = np.nan_to_num((probe.missed - now.missed) / np.sqrt(now.S) / step)
+        d = np.where(bent, 0.0, np.nan_to_num((probe.missed - now.missed) / np.sqrt(now.S) / step))
         w = np.nan_to_num((np.log(probe.S) - np.log(now.S)) / step)
         e = np.nan_to_num(now.e)
         if float(np.sum(d[rows] ** 2) + 0.5 * np.sum(w[rows] ** 2)) < FELT:
@@ -161,6 +168,17 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     sure = np.sqrt(now.weights)
     D, V = ((x * sure)[:, rows].reshape(len(felt), -1) for x in (slopes, both))
     return np.array(gradient), D @ D.T + 0.5 * V @ V.T, felt, slopes
+
+
+def _probed(now: Innovations, name: str, x: float, near: Innovations | None) -> Innovations | None:
+    """Return what is left where one parameter stands at another coordinate."""
+    changed = {**now.values, name: value(now.hypothesis, name, x)}
+    return tried(now.hypothesis, changed, near) or tried(now.hypothesis, changed)
+
+
+def _far(now: Innovations, probe: Innovations) -> float:
+    """Return by how many standard deviations a probe moves the innovation that it moves most."""
+    return float(np.nanmax(np.abs(probe.missed - now.missed) / np.sqrt(now.S), initial=0.0))
 
 
 def _step(

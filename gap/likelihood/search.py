@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.filters.checks import checks
+from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
@@ -35,19 +36,21 @@ def model_alone(frame: Frame) -> Fit:
 
     Raises ``ArithmeticError`` where the model cannot be run along the record.
     """
-    one = Hypothesis(frame)
-    best = known = one.filtered({})
-    for load in (n for n in frame.noise if n.correlation_time > 0.0):
+    best = with_likelier_loads(Hypothesis(frame).filtered({}))
+    return refined(best, tuple(frame.free))
+
+
+def with_likelier_loads(known: Innovations) -> Innovations:
+    """Return a filter of the same values, but for sizes of random loads about the stated ones that are likelier."""
+    one, stated, best = known.hypothesis, known.hypothesis.frame.stated, known
+    for load in (n for n in one.frame.noise if n.correlation_time > 0.0):
         near = best.values
         for by_sd in STARTS:
             for by_time in STARTS:
                 sd, time = f"{load.block}.sd", f"{load.block}.correlation_time"
-                other = {sd: near[sd] * by_sd, time: near[time] * by_time}
-                found = one.noisier(known, {**best.values, **other})
+                found = one.noisier(known, {**near, sd: stated[sd] * by_sd, time: stated[time] * by_time})
                 best = found if found.nll < best.nll else best
-    if best is not known:
-        best = best.again()
-    return refined(best, tuple(frame.free))
+    return best if best is known else best.again()
 
 
 def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
@@ -99,6 +102,8 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
             return None  # what no play explains to some part no stem that jumps explains
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     start = tried(mine, one.values) if raced else _own_filter(null, one)
+    if start is not None and mine.effect is not None and is_load(mine.effect):
+        start = with_likelier_loads(start)  # a random load has stood for the planned one
     return None if start is None else settled(unfitted(start), 1)
 
 

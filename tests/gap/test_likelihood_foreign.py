@@ -11,11 +11,13 @@ from stickslip.diagram import Diagram
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.floors.floor import without_gap as runs_of
+from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.diagnosing import frame_of, outcome, when_switched
-from stickslip.gap.likelihood.fit import refined
+from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.search import fitted, model_alone
+from stickslip.gap.likelihood.settling import settled
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 
@@ -134,3 +136,24 @@ def test_a_second_effect_that_is_enough_alone_is_named_alone() -> None:
     assert not found.firsts
     assert found.named[0].hypothesis.effect == effect("valve_rate_limit")
     assert found.named[0].best.values["rate"] == pytest.approx(100.0 * truth["valve.up"], rel=0.1)  # 4 % one sd
+
+
+def started(key: str, name: str, place: str, **sizes: float) -> tuple[Fit, dict[str, float]]:
+    """Return the fit of an effect from first sizes that are off, and the sizes that the plant has."""
+    model, log, truth = modelled(next(run for run in trial.runs() if run.key.endswith(key)))
+    held = frame_of(*read(model, log))
+    assert held is not None
+    null = settled(model_alone(when_switched(held)))
+    one = Hypothesis(null.best.hypothesis.frame, effect(name), place)
+    return fitted(null, [Candidate(one, {**null.best.values, **sizes}, 1.0, None)], raced=False)[0], truth
+
+
+def test_the_instant_of_a_step_is_fitted_though_a_row_that_it_passes_jumps() -> None:
+    fit, truth = started("1911255462", "step_disturbance", "feed", amplitude=0.38, time=2396.0)
+    assert fit.best.values["time"] == pytest.approx(truth["feed.at"], abs=1.15)  # half a row
+    assert fit.best.values["amplitude"] == pytest.approx(truth["feed.step"], rel=0.05)  # 1.7 % one sd
+
+
+def test_a_lag_is_fitted_though_rows_at_limits_jump() -> None:
+    fit, truth = started("756302979", "positioner_lag", "valve", tau=53.0)
+    assert fit.best.values["tau"] == pytest.approx(truth["valve.tau"], rel=0.3)  # it stayed at 53
