@@ -109,15 +109,15 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     both = _with_second(alone.fits[0], catalogue, seed, progress)
     if both is None:
         return alone
-    second = _second_alone(alone, both, seed)
-    if second is not None:
-        return second
+    single = _single(alone, both, seed)
+    if single is not None or not both.named:
+        return single or alone
     same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
     return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
 
 
 def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome | None:
-    """Return what explains a record beside a first effect, None if nothing is enough."""
+    """Return what explains a record beside a first effect, None if nothing can be beside it."""
     stems = [effect for effect in catalogue if effect.hidden]
     if first.hypothesis.hides:
         others = _explained(with_effect(first), [effect for effect in catalogue if effect not in stems], seed, progress)
@@ -126,24 +126,31 @@ def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: P
             return None
         first, catalogue = part, stems
     both = _explained(with_effect(first), catalogue, seed, progress)
-    return replace(both, firsts=(first,)) if both.named else None
+    return replace(both, firsts=(first,))
 
 
-def _second_alone(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
-    """Return that the second of two effects explains the record alone; None if it does not.
+def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
+    """Return that one of two effects explains the record alone; None if none does.
 
-    Its size beside another may be one to which the search for a single effect did not come.
+    Its size beside another, or beside none where all is fitted once more, may be one to which the first search did not
+    come: the first effect where nothing unusual is left beside it, else the second.
     """
-    one, free = both.named[0].hypothesis, alone.null.best.values
-    if one.hides:
+    if both.gap and not both.named:
         return None
-    own = {name: both.named[0].best.values[name] for name in one.own}
-    start = tried(Hypothesis(alone.null.best.hypothesis.frame, one.effect, one.place), {**free, **own})
+    found = both.named[0] if both.named else both.null
+    one, part = found.hypothesis, found.hypothesis.frame.given.part
+    if one.hides or part is None:
+        return None
+    effect, place = (one.effect, one.place) if both.named else (part.effect, part.place)
+    own = {name: found.best.values[name] for name in one.own} if both.named else part.now(found.best.values)
+    frame = replace(found.hypothesis.frame, given=alone.null.hypothesis.frame.given)  # inputs switch as suits it
+    free = {key: found.best.values[key] for key in frame.free}
+    start = tried(Hypothesis(frame, effect, place), {**free, **own})
     if start is None:
         return None
     fit = settled(unfitted(start))
     pays = price(both.firsts[0]) - both.firsts[0].nll  # for the sizes of the first, which are free in both
-    if price(fit) > min(price(both.named[0]) + pays + TIE, price(alone.fits[0])):
+    if price(fit) > min(price(found) + pays + TIE, price(alone.fits[0])):
         return None
     best = judged(fit, [], seed)
     if not enough(fit, best, alone.alone):
