@@ -145,23 +145,20 @@ def extended(  # type: ignore[no-untyped-def]
         read(W, shown, y)
         columns = narrowed(D, columns, size, q)
         slot = same_kind(base_I, I, base_W, modes, kinds, known, times, phi, sd, k)
-        width = -1
-        if slot >= 0 and known[slot] >= 0:
-            i = which[known[slot]]
-            width = foretold(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y, z, behind, y,
+        width, like = -1, which[known[slot]] if slot >= 0 and known[slot] >= 0 else -1  # slopes of a stop of its kind
+        if like >= 0:
+            width = foretold(A[like], B[like], H[like], G[like], sd[k], D, columns, E, Y, z, behind, y,
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
-            which[k] = i
+            which[k] = like
         row = row_of[k]
         moved = row >= 0 or width < 0 or near  # no other stop is probed, or has slopes of its own
         if moved:
             next_I[:], next_W[:] = I[:kept], W[:saved]
-        borrowed = width < 0 and slot >= 0 and known[slot] >= 0 and not near
+        borrowed = width < 0 and like >= 0 and not near
         if borrowed:  # an input has moved the run, which may leave it as steep
-            i = which[known[slot]]
-            width = spread_to(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y)
-            if as_steep(I, W, buffer, base_I, base_W, places, shown, noisy, times[k], phi[k], sd[k], k, A[i], B[i],
-                        H[i], G[i], z, D, columns, behind, y, E, Y, width, aside, drawn):  # fmt: skip
-                which[k] = i
+            width = spread_to(A[like], B[like], H[like], G[like], sd[k], D, columns, E, Y)
+            if as_steep(I, W, buffer, base_I, base_W, places, shown, noisy, times[k], phi[k], sd[k], k, A[like],
+                        B[like], H[like], G[like], z, D, columns, behind, y, E, Y, width, aside, drawn):  # fmt: skip
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
             else:
                 width = -1
@@ -185,7 +182,6 @@ def extended(  # type: ignore[no-untyped-def]
             for j in range(q):
                 W[noisy[j]] *= phi[k, j]
             stop_I[:], stop_W[:] = I[:kept], W[:saved]
-            like = which[known[slot]] if slot >= 0 and known[slot] >= 0 else -1
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],

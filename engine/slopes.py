@@ -7,7 +7,7 @@ from numba import njit
 from stickslip.engine.layout import COUNT, EVENTS, R
 from stickslip.engine.layout import H as H0
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
-from stickslip.engine.spread import NARROWEST, add_bend, bent, one_bend
+from stickslip.engine.spread import NARROWEST, add_bend, bent, foretells, one_bend
 
 WIDE = math.sqrt(3.0)
 SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded
@@ -195,37 +195,25 @@ def as_steep(  # type: ignore[no-untyped-def]
 
     All that is not known moves at once, with signs that change from stop to stop, so nothing hides for long.
     """
-    n, m = len(z), len(y)
+    n, m, q = len(z), len(y), len(noisy)
     step, to, to_y = np.zeros(n), np.empty(n), np.empty(m)
     for j in range(columns):
         sign = 1.0 if (k >> (j % SIGNS)) & 1 else -1.0
         for i in range(n):
             step[i] += sign * D[i, j]
     for way in (WIDE, -WIDE):
-        for i in range(n):
-            aside[i] = z[i] + way * step[i]
-        for j in range(len(noisy)):
-            drawn[j] = way * sd[j]
+        aside[:] = z + way * step
+        drawn[:] = way * sd
         if arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, aside, drawn) != 0:
             return False
         read(W, places[1], to)
         read(W, shown, to_y)
-        if not ends(A, B, way, step, sd, to, behind, E, width) or not ends(H, G, way, step, sd, to_y, y, Y, width):
+        then, then_y = behind.copy(), y.copy()
+        for j in range(q):
+            then += B[:, j] * drawn[j]
+            then_y += G[:, j] * drawn[j]
+        if not foretells(A, way * step, to, then, E, width, STEEP, 0.0, z):
             return False
-    return True
-
-
-@njit(cache=True, error_model="numpy")
-def ends(A, B, way, step, sd, to, middle, E, width):  # type: ignore[no-untyped-def]
-    """Return whether a run ends where slopes say, but for a small part of the spread."""
-    for i in range(len(to)):
-        off, variance = to[i] - middle[i], 0.0
-        for j in range(len(step)):
-            off -= way * A[i, j] * step[j]
-        for j in range(len(sd)):
-            off -= way * B[i, j] * sd[j]
-        for j in range(width):
-            variance += E[i, j] ** 2
-        if off**2 > STEEP**2 * variance:
+        if not foretells(H, way * step, to_y, then_y, Y, width, STEEP, 0.0, y):
             return False
     return True

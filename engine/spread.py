@@ -214,14 +214,19 @@ def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y,
     """
     width = spread_to(A, B, H, G, sd, D, columns, E, Y)
     aside = z - from_z
-    if foretells(A, aside, behind, to_z, E, width, size) and foretells(H, aside, y, to_y, Y, width, np.abs(y)):
+    if foretells(A, aside, behind, to_z, E, width, BENT, NARROWEST, size) and foretells(
+        H, aside, y, to_y, Y, width, BENT, NARROWEST, np.abs(y)
+    ):
         return width
     return -1
 
 
 @njit(cache=True, error_model="numpy")
-def foretells(A, aside, now, then, E, width, size):  # type: ignore[no-untyped-def]
-    """Return whether slopes of another stop, so far ``aside``, miss what is ``now`` by a small part of its spread."""
+def foretells(A, aside, now, then, E, width, share, least, size):  # type: ignore[no-untyped-def]
+    """Return whether slopes of another run, so far ``aside``, miss what is ``now`` by a ``share`` of its spread only.
+
+    ``least`` share of its ``size`` that may be missed where nothing is spread.
+    """
     for i in range(len(now)):
         off = now[i] - then[i]
         for j in range(len(aside)):
@@ -229,7 +234,7 @@ def foretells(A, aside, now, then, E, width, size):  # type: ignore[no-untyped-d
         variance = 0.0
         for j in range(width):
             variance += E[i, j] ** 2
-        if off**2 > BENT**2 * variance + (NARROWEST * size[i]) ** 2:
+        if off**2 > share**2 * variance + (least * size[i]) ** 2:
             return False
     return True
 

@@ -135,14 +135,14 @@ def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
     Its size beside another, or beside none where all is fitted once more, may be one to which the first search did not
     come: the first effect where nothing unusual is left beside it, else the second.
     """
-    if both.gap and not both.named:
-        return None
     found = both.named[0] if both.named else both.null
     one, part = found.hypothesis, found.hypothesis.frame.given.part
-    if one.hides or part is None:
+    if one.hides or part is None or (both.gap and not both.named):
         return None
-    effect, place = (one.effect, one.place) if both.named else (part.effect, part.place)
-    own = {name: found.best.values[name] for name in one.own} if both.named else part.now(found.best.values)
+    if one.effect is not None:
+        effect, place, own = one.effect, one.place, {name: found.best.values[name] for name in one.own}
+    else:
+        effect, place, own = part.effect, part.place, part.now(found.best.values)
     frame = replace(found.hypothesis.frame, given=alone.null.hypothesis.frame.given)  # inputs switch as suits it
     free = {key: found.best.values[key] for key in frame.free}
     start = tried(Hypothesis(frame, effect, place), {**free, **own})

@@ -140,18 +140,10 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
         if name in one.noise_keys:
             probe = one.noisier(now, {name: value(one, name, at + step)})
         else:
-            # an effect changes gains, which counts as long as innovations are large
-            near = None if name in one.own and now.gross else now
-            found = _probed(now, name, at + step, near)
-            for _ in range(FINER if found is not None and (now.kinks.any() or _far(now, found) > SMALL) else 0):
-                finer = _probed(now, name, at + 0.1 * step, near)
-                if finer is None or found is None:
-                    break
-                bent = np.abs(finer.missed - now.missed) > STRAIGHT * np.abs(found.missed - now.missed)
-                found, step = finer, 0.1 * step
+            found = _probed(now, name, at, step)
             if found is None:
                 continue
-            probe = found
+            probe, step, bent = found
         d = np.where(bent, 0.0, np.nan_to_num((probe.missed - now.missed) / np.sqrt(now.S) / step))
         w = np.nan_to_num((np.log(probe.S) - np.log(now.S)) / step)
         e = np.nan_to_num(now.e)
@@ -170,10 +162,26 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     return np.array(gradient), D @ D.T + 0.5 * V @ V.T, felt, slopes
 
 
-def _probed(now: Innovations, name: str, x: float, near: Innovations | None) -> Innovations | None:
-    """Return what is left where one parameter stands at another coordinate."""
-    changed = {**now.values, name: value(now.hypothesis, name, x)}
-    return tried(now.hypothesis, changed, near) or tried(now.hypothesis, changed)
+def _probed(now: Innovations, name: str, at: float, step: float) -> tuple[Innovations, float, NDArray[np.bool_]] | None:
+    """Return what is left a small step away, the step, and which innovations it moves out of proportion."""
+    one = now.hypothesis
+    # an effect changes gains, which counts as long as innovations are large
+    near = None if name in one.own and now.gross else now
+
+    def stepped(step: float) -> Innovations | None:
+        changed = {**now.values, name: value(one, name, at + step)}
+        return tried(one, changed, near) or tried(one, changed)
+
+    found, bent = stepped(step), np.zeros(now.e.shape, dtype=np.bool_)
+    if found is None or not (now.kinks.any() or _far(now, found) > SMALL):
+        return None if found is None else (found, step, bent)
+    for _ in range(FINER):
+        finer = stepped(0.1 * step)
+        if finer is None:
+            break
+        bent = np.abs(finer.missed - now.missed) > STRAIGHT * np.abs(found.missed - now.missed)
+        found, step = finer, 0.1 * step
+    return found, step, bent
 
 
 def _far(now: Innovations, probe: Innovations) -> float:

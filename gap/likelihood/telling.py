@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from stickslip.gap.answers.sureness import Sureness
+from stickslip.gap.answers.sureness import OUTSIDE, Sureness
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.diagnosing import Outcome
 from stickslip.gap.likelihood.fit import Fit
@@ -18,8 +18,6 @@ from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.structure import by_wiring
 from stickslip.gap.telling.words import LISTED
-
-OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue
 
 
 def told(o: Outcome) -> GapReport:
