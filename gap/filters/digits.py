@@ -1,46 +1,17 @@
-"""What the digits of a measurement show: levels of a coarse sensor, straight lines of a compressing historian."""
+"""Explanations that the digits of a measurement show by themselves: a coarse sensor, a compressing historian."""
 
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.filters.explaining import settled
 from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.filters.fitting import Found, refined, tried
 from stickslip.gap.filters.reading import Filtering
-from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.fits.digits import UNEVEN, coarse, deviation, levels, straightened
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.insertion.straightness import deviation_of, lined
 from stickslip.gap.records.record import rounding
 from stickslip.logs import Log
-
-Floats = NDArray[np.float64]
-APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse
-FEW = 0.1  # levels for each row, at most
-TRIED = 3000  # steps near the usual distance of neighbours
-UNEVEN = 0.05  # of a step, beyond the log's rounding
-STRAIGHT = 0.2  # share of straight triples beyond what the model's own log has
-
-
-def levels(values: Floats) -> float:
-    """Return the step between the few levels of a measurement, which the log may have rounded again; 0 for none.
-
-    >>> levels(np.round(np.round(np.random.default_rng(0).normal(1.5, 0.1, 999) / 0.019) * 0.019 / 0.0015) * 0.0015)
-    0.019
-    """
-    known = values[np.isfinite(values)]
-    fine, found = rounding(known), np.unique(np.round(known, 9))
-    if not 4 <= len(found) <= FEW * len(known):
-        return 0.0
-    step = float(np.median(np.diff(found)))
-    if step < APART * max(fine, 1e-9):
-        return 0.0
-    tried = step * np.linspace(0.85, 1.15, TRIED)  # the one in whose multiples all levels agree best
-    step = float(tried[np.argmax(np.abs(np.exp(2j * np.pi * found[:, None] / tried).mean(axis=0)))])
-    step = float(np.polyfit(np.round(found / step), found, 1)[0])
-    off = np.abs(found - np.round(found / step) * step)
-    return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
 
 
 def few_levels(f: Filtering) -> dict[str, float]:
@@ -58,46 +29,33 @@ def few_levels(f: Filtering) -> dict[str, float]:
 
 
 def coarse_sensor(plain: Found, effect: Effect, place: str) -> Found | None:
-    """Return a sensor of few levels if its signal has them and the controller has seen them too."""
+    """Return a sensor of few levels if its signal has them, and the log is finer than these."""
     f = plain.best.explanation.filtering
-    if not isinstance(effect, Quantisation):
-        return None
-    signal = next((str(s) for s in f.quiet[place].output_labels if str(s) in f.signals), "")
-    step = levels(f.Y[:, f.signals.index(signal)]) if signal else 0.0
-    if not step:
-        return None
-    one = Explanation(f, effect, place)
-    start = tried(one, {**plain.best.values, "step": step})
-    if start is None:
-        return None
-    found = refined(start, tuple(f.free))
-    return found if found.nll < plain.nll else None
+    step = coarse(f, place) if isinstance(effect, Quantisation) else 0.0
+    start = tried(Explanation(f, effect, place), {**plain.best.values, "step": step}) if step else None
+    return refined(start, tuple(f.free)) if start is not None else None
 
 
 def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | None:
-    """Return a compression that makes as many straight lines as the log has; None if it has none beyond noise."""
+    """Return a compression that makes as many straight lines as the log has; None if it has none beyond noise.
+
+    The loop has seen the true values, so the lines are left out of its filter, and noise and loads are fitted.
+    """
     f = plain.best.explanation.filtering
-    for j, signal in enumerate(f.signals):
-        if signal in f.ops:
-            continue
-        step, values = rounding(f.Y[:, j]), f.Y[:, j]
-        wanted = lined(values, step)
-        if wanted < STRAIGHT:
-            continue
-        plain_logs = without_gap(f.model, f.record, 1, seed + 1)
-        if not plain_logs or wanted < lined(plain_logs[0][signal], step) + STRAIGHT:
-            continue
-        deviation = deviation_of(plain_logs[0], effect, place, signal, step, values)
-        one = Explanation(_without(f, j), effect, place)
-        refitted = settled(_without(f, j))  # what suits straight lines is not what the loop has seen
-        best = replace(refitted.best, explanation=one, values={**refitted.best.values, "deviation": deviation})
-        return Found(best, (), np.zeros((0, 0)))
-    return None
+    signal = straightened(f, seed)
+    if not signal:
+        return None
+    left = replace(_without(f, signal), loose=True)
+    best = replace(settled(left).best, explanation=Explanation(left, effect, place))
+    size = deviation(f, best.values, effect, place, signal, seed)
+    return (
+        None if size is None else Found(replace(best, values={**best.values, "deviation": size}), (), np.zeros((0, 0)))
+    )
 
 
-def _without(f: Filtering, j: int) -> Filtering:
+def _without(f: Filtering, signal: str) -> Filtering:
     """Return a record as if a signal had not been logged: the others have seen the true one."""
     log = f.record.log
-    quality = {s: log.good(s) & (s != f.signals[j]) for s in log.names}
+    quality = {s: log.good(s) & (s != signal) for s in log.names}
     other = Log(log.t, {s: log[s] for s in log.names}, quality=quality)
     return replace(f, record=replace(f.record, log=other), leads=np.zeros_like(f.leads))

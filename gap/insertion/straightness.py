@@ -8,6 +8,7 @@ from stickslip.logs import Log
 Floats = NDArray[np.float64]
 SIZES = 13  # deviations that are tried
 ROUNDS = 3
+LEAST, MOST = 1e-3, 1.0  # of the range of a signal: no deviation beyond these leaves a record to look at
 
 
 def lined(values: Floats, step: float) -> float:
@@ -39,7 +40,7 @@ def deviation_of(log: Log, effect: Effect, place: str, signal: str, step: float,
     ``step``: rounding of the signal [its unit].  Equal neighbours count, so that more deviation is never less straight.
     """
     wanted = lined(values, step)
-    low, high = effect.parameters[0].low, effect.parameters[0].high
+    low, high = (share * float(np.ptp(log[signal])) for share in (LEAST, MOST))
     for _ in range(ROUNDS):
         sizes = np.geomspace(low, high, SIZES)
         shares = []

@@ -7,19 +7,15 @@ import numpy as np
 from stickslip.gap.effects.compression import Compression
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.sensor_noise import SensorNoise
-from stickslip.gap.filters.digits import FEW, STRAIGHT, levels
-from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.fits.digits import FEW, NEITHER_COARSER, coarse, deviation, measured_by, straightened
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.insertion.straightness import deviation_of, sloping
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.records.record import rounding
 
-NO_WORSE = 1.0  # nat: its steps may be within what is free of the noise already
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
 SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
-NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
 
 def by_digits(null: Fit, catalogue: Sequence[Effect], seed: int) -> Fit | None:
@@ -38,39 +34,32 @@ def by_digits(null: Fit, catalogue: Sequence[Effect], seed: int) -> Fit | None:
 
 
 def _coarse(null: Fit, effect: Effect, place: str) -> Fit | None:
-    """Return a sensor of few levels if its signal has them, and more of its noise, which steps are, is likelier."""
+    """Return a sensor of few levels; if the log is no finer than these, the controller has to have seen them."""
     f = null.best.hypothesis.frame
-    signal = next((str(s) for s in f.quiet[place].output_labels if str(s) in f.signals), "")
-    values = f.Y[:, f.signals.index(signal)] if signal else np.zeros(0)
-    step, better = levels(values), -NO_WORSE
-    if not step and len(np.unique(values)) <= FEW * len(
-        values
-    ):  # the log's own rounding, or did the controller see it?
-        step, better = rounding(values), MORE_LIKELY
-        f = replace(f, record=replace(f.record, computed={**f.record.computed, signal: SEEN_FINER * step}))
-    if not step or float(f.quiet[place].params.get("step", 0.0)) > NEITHER_COARSER * step:
+    step = coarse(f, place)
+    if step:
+        return _as(null, Hypothesis(f, effect, place), {"step": step})
+    signal, values = measured_by(f, place)
+    step = rounding(values)
+    stated = float(f.quiet[place].params.get("step", 0.0))
+    if not step or len(np.unique(values)) > FEW * len(values) or stated > NEITHER_COARSER * step:
         return None
+    f = replace(f, record=replace(f.record, computed={**f.record.computed, signal: SEEN_FINER * step}))
     noisier = Hypothesis(f, SensorNoise(), place)
     start = tried(noisier, null.best.values) if place in SensorNoise().places(f.model) else null.best
     if start is None:
         return None
     fit = refined(start, free_names(start.hypothesis))
-    return _as(fit, Hypothesis(f, effect, place), {"step": step}) if fit.nll <= null.nll - better else None
+    return _as(fit, Hypothesis(f, effect, place), {"step": step}) if fit.nll <= null.nll - MORE_LIKELY else None
 
 
 def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
     """Return a compression that makes as many straight lines as the log has, if these are more than the model's own."""
     f = null.best.hypothesis.frame
     place = next(iter(effect.places(f.model)), "historian")
-    for signal, values in zip(f.signals, f.Y.T, strict=True):
-        step = rounding(values)
-        if signal in f.ops or sloping(values, step) < STRAIGHT:
-            continue
-        plain = without_gap(f.model, f.record, 1, seed + 1)
-        if plain and sloping(values, step) >= sloping(plain[0][signal], step) + STRAIGHT:
-            deviation = deviation_of(plain[0], effect, place, signal, step, values)
-            return _as(null, Hypothesis(f, effect, place), {"deviation": deviation})
-    return None
+    signal = straightened(f, seed)
+    size = deviation(f, f.stated, effect, place, signal, seed) if signal else None
+    return _as(null, Hypothesis(f, effect, place), {"deviation": size}) if size is not None else None
 
 
 def _as(fit: Fit, one: Hypothesis, size: dict[str, float]) -> Fit:

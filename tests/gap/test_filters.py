@@ -10,7 +10,6 @@ from stickslip.gap.effects import effect
 from stickslip.gap.filters import filtering, kalman
 from stickslip.gap.filters.affine import NotAffine, affine
 from stickslip.gap.filters.checks import checks
-from stickslip.gap.filters.digits import levels
 from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.filters.fitting import refined
 from stickslip.gap.filters.lifted import NOWHERE, lifted
@@ -18,6 +17,7 @@ from stickslip.gap.filters.operating import operating
 from stickslip.gap.filters.reading import Filtering
 from stickslip.gap.filters.scanned import scanned
 from stickslip.gap.filters.stems import stuck
+from stickslip.gap.fits.digits import levels
 from stickslip.gap.insertion.straightness import lined
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, read, silenced

@@ -10,6 +10,8 @@ import pytest
 from stickslip.diagram import Diagram
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.fits.digits import coarse, straightened
 from stickslip.gap.floors.floor import without_gap as runs_of
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.diagnosing import frame_of, outcome, when_switched
@@ -168,3 +170,31 @@ def test_an_effect_that_is_enough_once_all_is_fitted_again_is_named() -> None:
     assert found.named and not found.firsts
     gain = model["controller"].params["K_p"] * found.named[0].best.values["factor"]
     assert gain == pytest.approx(truth["controller.K"], rel=0.01)  # 0.15 % one sd
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "within"),
+    [
+        # a slow signal between levels that are 30 times its noise apart: more noise of the sensor is no likelier
+        ("pipeline_pack/effect/quantisation/27519244", "quantisation", 0.01),
+        # noise and load are 1.3 and 1.5 times what is stated, which made the straight lines a slower scan
+        ("drum_level/effect/compression/1747519458", "compression", 0.3),
+    ],
+)
+def test_what_digits_show_is_named_whatever_noise_and_loads_are(key: str, name: str, within: float) -> None:
+    (run,) = [one for one in trial.runs() if one.key.endswith(key)]
+    model, log, true = modelled(run)
+    (cause,) = diagnose(model, log, progress=False).causes
+    (size,) = cause.parameters.values()
+    assert cause.effect == name
+    assert size.value == pytest.approx(*true.values(), rel=within)
+
+
+@pytest.mark.parametrize("plant", ["drum_level", "pipeline_pack", "cone"])
+def test_digits_show_nothing_in_a_record_without_a_gap(plant: str) -> None:
+    model, log = without_gap(plant)
+    found = frame_of(*read(model, log), asked=False)
+    held = found or filtering_of(*read(model, log))
+    assert held is not None
+    assert straightened(held, 0) == ""
+    assert [coarse(held, place) for place in effect("quantisation").places(held.model)] == [0.0]

@@ -1,0 +1,78 @@
+"""What the digits of a measurement show: levels of a coarse sensor, straight lines of a compressing historian."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.straightness import deviation_of, sloping
+from stickslip.gap.records.given import Held
+from stickslip.gap.records.record import rounding
+
+Floats = NDArray[np.float64]
+APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse
+FEW = 0.1  # levels for each row, at most
+TRIED = 3000  # steps near the usual distance of neighbours
+UNEVEN = 0.05  # of a step, beyond the log's rounding
+STRAIGHT = 0.2  # share of straight triples beyond what the model's own log has
+NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
+
+
+def levels(values: Floats) -> float:
+    """Return the step between the few levels of a measurement, which the log may have rounded again; 0 for none.
+
+    >>> levels(np.round(np.round(np.random.default_rng(0).normal(1.5, 0.1, 999) / 0.019) * 0.019 / 0.0015) * 0.0015)
+    0.019
+    """
+    known = values[np.isfinite(values)]
+    fine, found = rounding(known), np.unique(np.round(known, 9))
+    if not 4 <= len(found) <= FEW * len(known):
+        return 0.0
+    step = float(np.median(np.diff(found)))
+    if step < APART * max(fine, 1e-9):
+        return 0.0
+    tried = step * np.linspace(0.85, 1.15, TRIED)  # the one in whose multiples all levels agree best
+    step = float(tried[np.argmax(np.abs(np.exp(2j * np.pi * found[:, None] / tried).mean(axis=0)))])
+    step = float(np.polyfit(np.round(found / step), found, 1)[0])
+    off = np.abs(found - np.round(found / step) * step)
+    return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
+
+
+def measured_by(held: Held, place: str) -> tuple[str, Floats]:
+    """Return the logged signal of a sensor, and its values; none if it is not logged."""
+    signal = next((str(s) for s in held.quiet[place].output_labels if str(s) in held.signals), "")
+    return signal, held.Y[:, held.signals.index(signal)] if signal else np.zeros(0)
+
+
+def coarse(held: Held, place: str) -> float:
+    """Return the step of a sensor whose log is finer than its levels; 0 for none, or where the model has that step."""
+    step = levels(measured_by(held, place)[1])
+    return step if float(held.quiet[place].params.get("step", 0.0)) <= NEITHER_COARSER * step else 0.0
+
+
+def straightened(held: Held, seed: int) -> str:
+    """Return the signal that a historian has compressed, empty if none is.
+
+    A signal is compressed if more of its triples of rows lie on a line than in a run of the model.
+    """
+    for signal, values in zip(held.signals, held.Y.T, strict=True):
+        step = rounding(values)
+        if signal in held.ops or sloping(values, step) < STRAIGHT:
+            continue
+        plain = without_gap(held.model, held.record, 1, seed + 1)
+        if plain and sloping(values, step) >= sloping(plain[0][signal], step) + STRAIGHT:
+            return signal
+    return ""
+
+
+def deviation(
+    held: Held, fitted: Mapping[str, float], effect: Effect, place: str, signal: str, seed: int
+) -> float | None:
+    """Return within what deviation [its unit] a signal was compressed, as runs with fitted noise and loads have it.
+
+    None if such a run stops.
+    """
+    values = held.Y[:, held.signals.index(signal)]
+    plain = without_gap(held.model.with_params(held.given.settings(fitted)), held.record, 1, seed + 1)
+    return deviation_of(plain[0], effect, place, signal, rounding(values), values) if plain else None
