@@ -23,11 +23,13 @@ from stickslip.engine.layout import N_BLOCKS
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import WIDE, arrived, as_steep, passing_on, same_kind, slopes_at, straight
 from stickslip.engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, with_room
+from stickslip.engine.status import Status
 
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
 FAR = 4.0  # standard deviations within which a row may find the state
 LOST = 8.0  # standard deviations by which a row is missed from where on the spread is no guide to what bends
 KINDS = 24  # of stops whose slopes are kept
+TOO_MANY = int(Status.TOO_MANY_STEPS)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -89,7 +91,7 @@ def followed(  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, modes, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    probed, joined, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
+    probed, joined, most, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -99,8 +101,8 @@ def extended(  # type: ignore[no-untyped-def]
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
     of rounding; ``probed`` which signals are asked whether they bend; ``joined`` whether every row has all gains, not
-    only those near a kink.  ``z`` (n,), ``spread`` (n, columns): the state
-    before the first stop, and a factor of its variance.
+    only those near a kink; ``most`` stops that may have slopes of their own.  ``z`` (n,), ``spread`` (n, columns): the
+    state before the first stop, and a factor of its variance.
 
     Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
     (rows, 2 n + m + q + 1, m) of the state, of signals, of the state one stop before, of what was drawn since and of
@@ -174,6 +176,9 @@ def extended(  # type: ignore[no-untyped-def]
             width = -1
         fresh = width < 0
         if fresh:
+            if count == most:
+                status = TOO_MANY
+                break
             restore(I, W, base_I, base_W)
             put(I, W, places[0], z)
             status = arrive(I, W, buffer, times[k])

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
+from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, complain
 
 Floats = NDArray[np.float64]
@@ -31,9 +32,10 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     dither, shares = rng.random((len(f.Y), count, len(f.signals))), rng.random(len(f.Y))
     e, losses = np.full(f.Y.shape, np.nan), np.zeros(len(f.Y))
     stood, came = np.zeros((len(times), count)), np.zeros((len(f.Y), count), dtype=np.int64)
+    gains = gains_for(one.labels, near.hypothesis.labels, near.gains)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
-        hidden, times, row_of, phi, sd, f.Y, np.sqrt(12.0 * f.r), one.gains_of(near), near.S, FAR, z, drawn, dither,
+        hidden, times, row_of, phi, sd, f.Y, np.sqrt(12.0 * f.r), gains, near.S, FAR, z, drawn, dither,
         shares, losses, e, stood, came,
     )  # fmt: skip
     complain(status)

@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SPRINT = 3  # rounds of a fit there
+FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     near = None if alone else null.best
     tries = sizes(null, one)
     for size in tries[1::2] if alone else tries:  # along one direction, where each costs a filter
-        found = tried(one, {**at, **size}, near)
+        found = tried(one, {**at, **size}, near, FIRST_RUNS)
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
@@ -118,7 +119,7 @@ def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
 def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | None:
     """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them."""
     part = one.of(replace(short, apart=True))
-    best = _likeliest(tried(part, {**one.frame.stated, **size}) for size in sizes(rough, one))
+    best = _likeliest(tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS) for size in sizes(rough, one))
     if best is None:
         return None
     best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best

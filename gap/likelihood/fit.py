@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.hypothesis import ENDLESS, Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
 ROUNDS = 6
@@ -80,13 +80,15 @@ def width(one: Hypothesis, name: str) -> float:
     return math.sqrt(low * high) if spaced and low > 0.0 else high - low
 
 
-def tried(one: Hypothesis, values: Mapping[str, float], near: Innovations | None = None) -> Innovations | None:
-    """Return what these values leave; None if the effect cannot have them, or a run fails."""
+def tried(
+    one: Hypothesis, values: Mapping[str, float], near: Innovations | None = None, most_runs: int = ENDLESS
+) -> Innovations | None:
+    """Return what these values leave; None if the effect cannot have them, a run fails, or it takes too many."""
     full = {**one.nominal, **values}
     if one.effect and one.effect.rules(one.frame.model, one.place, {name: full[name] for name in one.own}):
         return None
     try:
-        found = one.filtered(full, near)
+        found = one.filtered(full, near, most_runs=most_runs)
     except ArithmeticError:
         return None
     return found if math.isfinite(found.nll) else None

@@ -93,8 +93,13 @@ class Frame(Held):
 
     @cached_property
     def scan(self) -> float:
-        """The interval in which dead times are followed [s]: that of the fastest scan, or a fifth of a row's."""
-        scans = [b.period for b in self.model.blocks if b.sampled and b.role is not Role.HISTORIAN]
+        """The interval in which dead times are followed [s]: that of the fastest scan, or a fifth of a row's.
+
+        Noise counts where nothing scans: in the filter it is held between stops, however often it draws.
+        """
+        drawn = {one.block for one in self.noise if one.correlation_time > 0.0}
+        sampled = [b for b in self.model.blocks if b.sampled and b.role is not Role.HISTORIAN]
+        scans = [b.period for b in sampled if b.name not in drawn] or [b.period for b in sampled]
         return min(scans, default=0.2 * self.record.log.dt)
 
     @cached_property

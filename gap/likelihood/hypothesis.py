@@ -14,6 +14,7 @@ from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.records.record import Record
 
@@ -25,6 +26,7 @@ FAR = 8.0  # standard deviations beyond which an innovation counts in proportion
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full, beyond which gains say nothing
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
+ENDLESS = 2**62
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +87,17 @@ class Hypothesis:
         return found
 
     def filtered(
-        self, values: Mapping[str, float], near: "Innovations | None" = None, joined: bool = False
+        self,
+        values: Mapping[str, float],
+        near: "Innovations | None" = None,
+        joined: bool = False,
+        most_runs: int = ENDLESS,
     ) -> "Innovations":
         """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, its mean alone.
 
-        ``joined``: whether every row has all gains, which a bank needs.
+        ``joined``: whether every row has all gains, which a bank needs; ``most_runs`` from stop to stop for slopes.
 
-        Raises ``ArithmeticError`` where a run of the diagram fails.
+        Raises ``ArithmeticError`` where a run of the diagram fails, or slopes take more runs.
         """
         f, p = self.frame, self.prepared
         full = {**self.nominal, **values}
@@ -104,7 +110,8 @@ class Hypothesis:
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
         if near is not None:
-            gains, turns = self.gains_of(near), self._turns(near)
+            theirs = near.hypothesis.labels
+            gains, turns = gains_for(self.labels, theirs, near.gains), turns_for(self.labels, theirs, near.turns)
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
                 I, W, buffer, *kept_sizes(I), self.places, self.shown, self.places[0, self.where], times, row_of,
@@ -119,8 +126,8 @@ class Hypothesis:
         turns = np.zeros((len(times), n + m))
         status, *pools = extended(
             I, W, buffer, *kept_sizes(I), self.places, self.prepared.modes, self.shown, self.places[0, self.where],
-            self.where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, joined, z.copy(), spread, which, force,
-            gains, kinks, turns, shown, e, S,
+            self.where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, joined, most_runs // (2 * n), z.copy(),
+            spread, which, force, gains, kinks, turns, shown, e, S,
         )  # fmt: skip
         complain(status)
         found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
@@ -202,35 +209,6 @@ class Hypothesis:
         size = np.maximum(np.abs(z), LEAST)
         return size, np.delete(np.diag(UNSURE * size), self.where, axis=1)
 
-    def gains_of(self, near: "Innovations") -> Floats:
-        """Return the gains of another filter for the states that both have; other states are not set right."""
-        mine, theirs = self.names, near.hypothesis.names
-        if mine == theirs:
-            return near.gains
-        n, m, k = len(mine), len(self.frame.signals), len(theirs)
-        both = [(i, theirs.index(name)) for i, name in enumerate(mine) if name in theirs]
-        here, there = (np.array(side, dtype=np.int64) for side in zip(*both, strict=True))
-        holders = [[holder for _, holder in one.prepared.noise] for one in (self, near.hypothesis)]
-        gains = np.zeros((len(self.frame.Y), 2 * n + m + len(holders[0]) + 1, m))
-        gains[:, here], gains[:, n : n + m] = near.gains[:, there], near.gains[:, k : k + m]
-        gains[:, n + m + here] = near.gains[:, k + m + there]
-        for j, name in enumerate(holders[0]):
-            if name in holders[1]:
-                gains[:, 2 * n + m + j] = near.gains[:, 2 * k + m + holders[1].index(name)]
-        return gains
-
-    def _turns(self, near: "Innovations") -> Floats:
-        """Return what bends add to the mean of another filter, for the states that both have."""
-        if self.names == near.hypothesis.names:
-            return near.turns
-        turns = np.zeros((len(near.turns), len(self.names) + len(self.frame.signals)))
-        theirs = near.hypothesis.names
-        for i, name in enumerate(self.names):
-            if name in theirs:
-                turns[:, i] = near.turns[:, theirs.index(name)]
-        turns[:, len(self.names) :] = near.turns[:, len(theirs) :]
-        return turns
-
     def adds_to(self, other: "Hypothesis") -> bool:
         """Return whether it has a state that another has not, which the gains of the other would not set right."""
         return not {*self.names} <= {*other.names}
@@ -241,6 +219,11 @@ class Hypothesis:
         return [name for name, *_ in self.prepared.states]
 
     @cached_property
+    def labels(self) -> Labels:
+        """Names of the state, and of what holds each noise."""
+        return Labels(self.names, [holder for _, holder in self.prepared.noise])
+
+    @cached_property
     def places(self) -> Whole:
         """Where the state is set, and where it is read, (2, states)."""
         return np.array([(at, read) for _, at, read in self.prepared.states], dtype=np.int64).T.copy()
@@ -248,7 +231,7 @@ class Hypothesis:
     @cached_property
     def where(self) -> Whole:
         """Where in the state the noises in force stand."""
-        return np.array([self.names.index(f"{holder}.value") for _, holder in self.prepared.noise], dtype=np.int64)
+        return np.array([self.names.index(f"{holder}.value") for holder in self.labels.noises], dtype=np.int64)
 
     @cached_property
     def shown(self) -> Whole:
