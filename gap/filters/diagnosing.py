@@ -11,7 +11,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from stickslip.blocks.role import Role
@@ -24,12 +24,10 @@ from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.scan_time import ScanTime
 from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.effects.stiction import Stiction
-from stickslip.gap.filters import laws
+from stickslip.gap.filters.adequacy import LIMIT, LIMIT_LARGEST, adequate, explained, passes, rival, white, worst
 from stickslip.gap.filters.affine import NotAffine
 from stickslip.gap.filters.beside import firsts, has_matrix, in_its_place, with_effect
-from stickslip.gap.filters.checks import checks
-from stickslip.gap.filters.constant import constancy
-from stickslip.gap.filters.digits import coarse_sensor, compressed, few_levels
+from stickslip.gap.filters.digits import coarse_sensor, compressed
 from stickslip.gap.filters.explaining import first_looks, fitted, ranked, settled, total
 from stickslip.gap.filters.filtering import Explanation, Filtered
 from stickslip.gap.filters.fitting import Found
@@ -37,7 +35,7 @@ from stickslip.gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left
 from stickslip.gap.filters.jumping import decided
 from stickslip.gap.filters.logged_stem import LoggedStem
 from stickslip.gap.filters.reading import Filtering
-from stickslip.gap.filters.rivals import TIE, Rival, beside, either_way, likeliest
+from stickslip.gap.filters.rivals import TIE
 from stickslip.gap.filters.scanned import base_period
 from stickslip.gap.filters.summed import with_outputs
 from stickslip.gap.floors.floor import settling_rows
@@ -49,10 +47,6 @@ from stickslip.gap.records.regular import without_unsettled
 from stickslip.gap.records.start import start_values
 
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
-LIMIT = 4.7  # largest check of an explanation that is right
-LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are not exact
-EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
-SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 HOPE = 0.5  # share of what a first effect leaves, that a second takes away at the first look
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
@@ -162,12 +156,14 @@ def outcome(
     if not alone.gap or alone.same or (stem is not None and not stem.follows):
         return alone
     for first in firsts(alone.found):
-        within = first.nll - HOPE * max(first.nll - _white(first.best), 0.0)
+        within = first.nll - HOPE * max(first.nll - white(first.best), 0.0)
         try:
             both = _explained(with_effect(first), catalogue, seed, progress, stem, within)
         except NotAffine:
             continue
         if both.same and _named_together(alone.found[0], first, both.same):
+            if _stated_wrongly(first):
+                return replace(both, plain=alone.plain)
             same = in_its_place(first, both.same[0], alone.found, alone.plain.nll)
             return replace(both, plain=alone.plain, firsts=same)
     return alone
@@ -182,6 +178,15 @@ def _named_together(best: Found, first: Found, second: Sequence[Found]) -> bool:
     there = has_matrix(one) or any((x.best.explanation.effect, x.best.explanation.place) == (one.effect, one.place)
                                    for x in second)  # fmt: skip
     return there and rival(second[0].best).behind >= NEEDED
+
+
+def _stated_wrongly(one: Found) -> bool:
+    """Return whether an effect is more or less noise of a sensor, no more than nobody knows of what a model states."""
+    e = one.best.explanation
+    if not isinstance(e.effect, SensorNoise):
+        return False
+    settings = e.effect.settings(e.filtering.model, e.place, **{name: one.best.values[name] for name in e.own})
+    return all(low <= settings[key] <= high for key, (low, high) in e.filtering.given.random.items() if key in settings)
 
 
 def _by_one(
@@ -291,57 +296,3 @@ def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed
         best = decided(flat[0].best, stiction, [fit.best for fit in stuck])
         kept.append(tuple(Found(left(x.explanation, x.values), (), np.zeros((0, 0))) for x in best))
     return kept
-
-
-@lru_cache(maxsize=16)
-def worst(one: Filtered) -> tuple[str, float]:
-    """Return the check that an explanation passes least, and by how much."""
-    found = checks(one)
-    if one.explanation.effect:
-        found |= constancy(one) | beside(one) | either_way(one)
-        if not isinstance(one.explanation.effect, Quantisation):
-            found |= few_levels(one.explanation.filtering)
-    name = max(found, key=lambda key: abs(found[key]))
-    return name, abs(found[name])
-
-
-def passes(one: Filtered) -> bool:
-    """Return whether innovations are as they should be."""
-    return worst(one)[1] <= _limit(one)
-
-
-def _limit(one: Filtered) -> float:
-    """Return the largest check of an explanation that may be right.
-
-    Of a slow stem a filter knows mean and variance only, not what it has to do with the rest of the loop.
-    """
-    explanation = one.explanation
-    return LIMIT_STEMS if explanation.sticks or explanation.law == laws.SLOW else LIMIT
-
-
-@lru_cache(maxsize=16)
-def rival(one: Filtered) -> Rival:
-    """Return the likeliest generic rival of an explanation."""
-    return likeliest(one)
-
-
-def adequate(plain: Found, one: Found) -> bool:
-    """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap.
-
-    And no generic rival is likelier by more than chance makes it.
-    """
-    limit = _limit(one.best)
-    if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
-        limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
-    return worst(one.best)[1] <= limit and not rival(one.best).likelier
-
-
-def explained(plain: Found, one: Found) -> float:
-    """Return the share of the gap that an explanation explains, counted above the noise floor of its own filter."""
-    removable = plain.nll - (_white(one.best) if one.best.mixed is None else min(one.nll, plain.nll))
-    return (plain.nll - one.nll) / removable if removable > 1.0 else 1.0
-
-
-def _white(one: Filtered) -> float:
-    """Return the negative log likelihood that a filter would leave if its innovations were of unit variance."""
-    return one.nll - 0.5 * float(np.nansum(one.judged**2 - 1.0))

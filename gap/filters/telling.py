@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from stickslip.gap.answers.sureness import OUTSIDE, Sureness
 from stickslip.gap.effects.controller_limits import ControllerLimits
-from stickslip.gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
+from stickslip.gap.filters.adequacy import explained, rival, worst
+from stickslip.gap.filters.diagnosing import CLEAR, Outcome
 from stickslip.gap.filters.explaining import STEPPED, free_names, total
 from stickslip.gap.filters.filtering import Filtered
 from stickslip.gap.filters.fitting import Found, refined
@@ -238,7 +239,8 @@ def _report(
     both = np.stack([o.plain.best.judged, after.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
-    notes = (*_notes(f), *stated_wrongly(f.model, after.values), PRIOR_OF_UNKNOWN, str(sureness))
+    given = after.explanation.filtering.given
+    notes = (*_notes(f), *stated_wrongly(f.model, given.settings(after.values)), PRIOR_OF_UNKNOWN, str(sureness))
     return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, o.evidence)
 
 

@@ -198,3 +198,13 @@ def test_digits_show_nothing_in_a_record_without_a_gap(plant: str) -> None:
     assert held is not None
     assert straightened(held, 0) == ""
     assert [coarse(held, place) for place in effect("quantisation").places(held.model)] == [0.0]
+
+
+def test_a_stem_beside_noise_that_is_stated_wrongly_is_one_cause() -> None:
+    # noise 1.2 and load 1.3 times what is stated: "sensor_noise" stood before the stick, and the place was the sensor
+    (run,) = [one for one in trial.runs() if one.key.endswith("heat_exchanger/effect/stiction/1859705630")]
+    model, log, true = modelled(run)
+    found = diagnose(model, log, progress=False)
+    (cause,) = found.causes
+    assert (cause.effect, cause.place) == ("stiction", "valve")
+    assert cause.parameters["S"].value == pytest.approx(100.0 * true["valve.S"], rel=0.05)

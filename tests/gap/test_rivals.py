@@ -5,9 +5,10 @@ import pytest
 from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
+from stickslip.gap.filters.adequacy import LIMIT, rival, worst
 from stickslip.gap.filters.checks import known_of
 from stickslip.gap.filters.constant import modulated, stretches
-from stickslip.gap.filters.diagnosing import LIMIT, filtering_of, rival, worst
+from stickslip.gap.filters.diagnosing import filtering_of
 from stickslip.gap.filters.explaining import coarse, followed, settled
 from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.filters.growing import growing

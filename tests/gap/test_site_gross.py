@@ -8,7 +8,8 @@ from scipy.stats import norm
 from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.filters.diagnosing import TIE, filtering_of, outcome
+from stickslip.gap.filters.diagnosing import filtering_of, outcome
+from stickslip.gap.filters.rivals import TIE
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 

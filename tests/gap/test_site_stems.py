@@ -6,7 +6,8 @@ from stickslip.cases.models import level_cascade, site_flow
 from stickslip.diagram import ensemble
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.filters.diagnosing import filtering_of, worst
+from stickslip.gap.filters.adequacy import worst
+from stickslip.gap.filters.diagnosing import filtering_of
 from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.filters.hysteresis import MANY, NOTHING, Bank, banked, left
 from stickslip.gap.records.model import read
