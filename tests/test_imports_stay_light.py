@@ -52,4 +52,4 @@ from stickslip.detect import diagnose
 from stickslip.logs import read_loop
 diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv"))
 """)
-    assert not loaded & {"numba.cpython.printimpl", "numba.misc.gdb_hook"}
+    assert not loaded & {"numba.cpython.printimpl", "numba.np.arraymath", "scipy.linalg"}
