@@ -34,7 +34,9 @@ CHECKS = [
 ]  # none needs another, so two run at a time
 # The tests among the checks have compiled by then what most others need, which each worker would compile for itself.
 REST = [f"--ignore={file}" for file in (*STEMS, *LOOPS)]
-TESTS = ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q", *REST]
+# To rewrite asserts takes each worker longer than to collect the tests; what fails runs again and says why in full.
+TESTS = ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q", "--assert=plain", *REST]
+FAILED = ["python", "-m", "pytest", "-q", "--last-failed"]
 
 
 def installed(extra: str) -> None:
@@ -98,6 +100,14 @@ def checked() -> int:
     return 0
 
 
+def tested() -> int:
+    """Run the tests, and those that fail once more, which say why in full; return the exit code of the first time."""
+    code = subprocess.run([str(BIN / TESTS[0]), *TESTS[1:]], cwd=ROOT, check=False).returncode
+    if code == 1:  # of pytest: some tests failed
+        subprocess.run([str(BIN / FAILED[0]), *FAILED[1:]], cwd=ROOT, check=False)
+    return code
+
+
 def main() -> int:
     """Run one of the jobs; return its exit code."""
     if sys.version_info < (3, 11):
@@ -121,7 +131,7 @@ def main() -> int:
     if not job:
         return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
     print("the tests take about 17 minutes on two cores", flush=True)
-    return checked() or subprocess.run([str(BIN / TESTS[0]), *TESTS[1:]], cwd=ROOT, check=False).returncode
+    return checked() or tested()
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ def called_in_python(repeats: int = 9) -> Figures:
         loop = wire([Equations(name, states={"H": 20.0, "L": 30.0}, der=der)], outputs=["H"])
         taken[name] = median_seconds(lambda loop=loop: simulate(loop, 70.0, every=0.1, rtol=1e-8), repeats)
     run = simulate(loop, 70.0, every=0.1, rtol=1e-8)
-    control = median_seconds(lambda: hares(np.array(run.log.t)), 1)
+    control = median_seconds(lambda: hares(np.array(run.log.t)), 2)
     return {
         "in_python_us_per_call": 1e6 * (taken["python"] - taken["compiled"]) / run.in_python[0].calls,
         "in_python_over_compiled": taken["python"] / taken["compiled"],

@@ -34,8 +34,9 @@ def options(description: str, parts: Sequence[str] = ()) -> argparse.Namespace:
 
 
 def median_seconds(action: Callable[[], Any], repeats: int) -> float:
-    """Return the median wall time of an action [s], after one warm-up."""
-    action()
+    """Return the median wall time of an action [s], after one warm-up; a single time judges nothing and has none."""
+    if repeats > 1:
+        action()
     taken = []
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -47,9 +48,12 @@ def median_seconds(action: Callable[[], Any], repeats: int) -> float:
 def in_turn(
     rounds: int, clock: Callable[[], float] = time.perf_counter, **actions: Callable[[], object]
 ) -> dict[str, list[float]]:
-    """Return the times [s] of each action, wall times by default, all of them run once a round, after one warm-up."""
+    """Return the times [s] of each action, wall times by default, all of them run once a round.
+
+    One warm-up comes first, but before a single round, which judges nothing.
+    """
     taken: dict[str, list[float]] = {name: [] for name in actions}
-    for action in actions.values():
+    for action in actions.values() if rounds > 1 else ():
         action()
     for _ in range(rounds):
         for name, action in actions.items():

@@ -4,7 +4,6 @@ Everything it needs to go on later is in ``I`` and ``W``; it returns a ``Status`
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.crossing import crossing_ahead
 from stickslip.engine.dense import interpolate
 from stickslip.engine.events import begin_instant, fire_waiting, keep_inputs, next_stop, settle
@@ -59,6 +58,7 @@ from stickslip.engine.sampling import publish, turn_tables
 from stickslip.engine.step import prepare_dense, step
 from stickslip.engine.sweep import clock, evaluate_events, play, rates, resolution, signals
 from stickslip.engine.turns import take_turns
+from stickslip.logs.compiled import njit
 
 OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 

@@ -16,9 +16,9 @@ Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 import math
 
 import numpy as np
-from numba import njit
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import arrived
+from stickslip.logs.compiled import njit
 
 ALONE = 0.5  # share of the particles that have to count, or they are drawn anew
 

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from stickslip.engine import layout as at
 from stickslip.engine.advance import CHATTERING, OK, PAUSED
 from stickslip.engine.call import pointer_to
@@ -44,6 +43,7 @@ from stickslip.engine.run import EVENT_BUFFER, Outcome
 from stickslip.engine.status import Status
 from stickslip.engine.sweep import gather_with_rates, rates, signal_rates, signals
 from stickslip.engine.table import Component
+from stickslip.logs.compiled import njit
 
 FOR_EVER = np.iinfo(np.int64).max
 # The run's own branch; no literal, for which numba would compile what takes it once more.

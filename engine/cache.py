@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-from numba.core.caching import FunctionCache
 from stickslip.engine.advance import advance
 from stickslip.engine.entry import ADVANCE, ADVANCE_TO, advance_to
-from stickslip.engine.loading import ReadyCache
 from stickslip.engine.notice import noticed
 from stickslip.engine.stamp import fresh
 
@@ -17,9 +15,6 @@ def engine() -> int:
     global _address
     if _address:
         return _address
-    for function in (advance, advance_to):
-        if isinstance(function._cache, FunctionCache):  # not where nothing can be kept
-            function._cache = ReadyCache(function.py_func)
     try:
         with fresh(Path(advance.stats.cache_path), Path(__file__).parent), noticed():
             _compile()

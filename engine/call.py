@@ -13,16 +13,16 @@ from pathlib import Path
 from typing import Any, Self
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 from stickslip.engine.callback import Callback
 from stickslip.engine.frozen import frozen
-from stickslip.engine.loading import ReadyCache
 from stickslip.engine.reach import Reached, raises
 from stickslip.engine.stamp import locked
 from stickslip.engine.watched import Watched
+from stickslip.logs.compiled import ReadyCache, njit
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 

@@ -1,7 +1,6 @@
 """Where in a step the first event fires, found on its dense output."""
 
 import numpy as np
-from numba import njit
 from stickslip.engine.dense import interpolate
 from stickslip.engine.floats import copy
 from stickslip.engine.layout import (
@@ -24,6 +23,7 @@ from stickslip.engine.layout import (
     STEP,
 )
 from stickslip.engine.sweep import clock, evaluate_events, play, signal_rates
+from stickslip.logs.compiled import njit
 
 GLANCE = 1.0 / 64.0  # share of a step over which a glance takes rates
 MOST_CLOSER = 3  # a stiff step is shortened so many times to end just behind an event, where its states are best:

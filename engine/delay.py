@@ -16,7 +16,6 @@ read there then agree to the last bit.
 import math
 
 import numpy as np
-from numba import njit
 from stickslip.engine.layout import (
     ATOL,
     BREAK,
@@ -35,6 +34,7 @@ from stickslip.engine.layout import (
     TAIL,
     P,
 )
+from stickslip.logs.compiled import njit
 
 SMOOTH = 9  # level of a record whose start is an ordinary step end
 LAST = D_NODES - 1.0

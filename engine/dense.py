@@ -1,8 +1,8 @@
 """Dense output: one nested polynomial in the fraction of the step, whatever the method."""
 
-from numba import njit
 from stickslip.engine.layout import CHUNK, DENSE_TERMS, N_STATES, O_CONT, O_CX, O_X
 from stickslip.engine.series import half_again, make_terms
+from stickslip.logs.compiled import njit
 
 TOGETHER = 8  # rows
 

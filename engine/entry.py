@@ -3,11 +3,12 @@
 The address stands in the integers of every run, as those of the kernels do.
 """
 
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from stickslip.engine.call import pointer_to
 from stickslip.engine.layout import ENGINE
+from stickslip.logs.compiled import njit
 
 _INTS, _FLOATS = types.CPointer(types.int64), types.CPointer(types.float64)
 # of ``advance.advance``

@@ -5,7 +5,6 @@ below zero; transitions that follow at once from others (slip, then stick) are c
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.call import call
 from stickslip.engine.delay import happens
 from stickslip.engine.layout import (
@@ -63,6 +62,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.sampling import begin_run, due
 from stickslip.engine.sweep import events_of_signals, gather_with_rates, rates, resolution, signal_rates, signals
+from stickslip.logs.compiled import njit
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 

@@ -5,7 +5,6 @@ Wanner, Solving ODEs I, section II.6; the order is measured in ``tests/engine/te
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.floats import finite
 from stickslip.engine.layout import (
     ATOL,
@@ -21,6 +20,7 @@ from stickslip.engine.layout import (
     RTOL,
 )
 from stickslip.engine.sweep import rates
+from stickslip.logs.compiled import njit
 
 STIFF_RATIO = 3.25  # h |df/dy| beyond this is the stability limit of the pair at work
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])

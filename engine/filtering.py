@@ -18,12 +18,12 @@ in Norgaard, Poulsen and Ravn, Automatica 36 (2000), section 4.
 import math
 
 import numpy as np
-from numba import njit
 from stickslip.engine.layout import N_BLOCKS
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import WIDE, arrived, as_steep, passing_on, same_kind, slopes_at, straight
 from stickslip.engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, with_room
 from stickslip.engine.status import Status
+from stickslip.logs.compiled import njit
 
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
 FAR = 4.0  # standard deviations within which a row may find the state

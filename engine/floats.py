@@ -1,7 +1,7 @@
 """Stretches of ``W``: copy one, and look whether one is finite."""
 
 import numpy as np
-from numba import njit
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

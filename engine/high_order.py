@@ -6,7 +6,6 @@ serve the seventh-order dense output.  Coefficients in ``stickslip.engine.dop853
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.dop853 import (
     A_STAGE,
     A_START,
@@ -22,6 +21,7 @@ from stickslip.engine.dop853 import (
 from stickslip.engine.floats import finite
 from stickslip.engine.layout import ATOL, N_CHECKED, N_STATES, O_CONT, O_F, O_K, O_S, O_X, O_Y0, O_Y1, RTOL
 from stickslip.engine.sweep import rates
+from stickslip.logs.compiled import njit
 
 HIGH_STIFF_RATIO = 6.1  # h |df/dy| beyond this is the stability limit of the method at work
 

@@ -1,7 +1,6 @@
 """Blocks that run in Python, between two calls of the engine."""
 
 import numpy as np
-from numba import njit
 from stickslip.engine import layout as at
 from stickslip.engine.call import pointer_to
 from stickslip.engine.delay import happens
@@ -11,6 +10,7 @@ from stickslip.engine.sampling import publish, turn_tables
 from stickslip.engine.sweep import resolution, signals
 from stickslip.engine.table import Component
 from stickslip.engine.turns import restart_sweep, take_turn
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

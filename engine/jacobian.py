@@ -4,7 +4,6 @@ A perturbed state changes the outputs of its own block and of the blocks fed by 
 blocks that read any of these; their programs stand in the block rows, so the sparsity is that of the diagram.
 """
 
-from numba import njit
 from stickslip.engine.layout import (
     J_BACK,
     J_DER,
@@ -31,6 +30,7 @@ from stickslip.engine.layout import (
     X,
 )
 from stickslip.engine.sweep import play, rates
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,7 +5,6 @@ added. Rows are not exchanged: with a shorter step the diagonal dominates, and a
 rejected for its error like any other.
 """
 
-from numba import njit
 from stickslip.engine.layout import (
     L_BACKWARD,
     L_DIAGONAL,
@@ -18,6 +17,7 @@ from stickslip.engine.layout import (
     O_JAC,
     O_LU,
 )
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,9 +6,10 @@ is the cursor: how many rows have been passed.  A table stays where numpy keeps 
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from stickslip.engine.layout import COUNT, TABLE, TABLE_ROWS, TABLE_VALUES, TABLE_WIDTH
+from stickslip.logs.compiled import njit
 
 
 @intrinsic

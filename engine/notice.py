@@ -29,19 +29,18 @@ class _Counter(event.Listener):  # type: ignore[misc]
 @contextmanager
 def noticed(what: str = ENGINE) -> Iterator[None]:
     """While ``what`` is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
-    rooms = [module for name, module in [*sys.modules.items()] if name.startswith("stickslip.engine.")]
-    known = {id(f) for module in rooms for f in vars(module).values() if isinstance(f, Dispatcher)}
-    total = len(known) if what == ENGINE else 0
     status: Any = None
+    total = 0
 
     def tell(begun: int) -> None:
-        nonlocal status
+        nonlocal status, total
         if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
             if _TOLD.get(what) is not sys.stderr:
                 sys.stderr.write(f"stickslip: compiling the {what} on first use; this takes about half a minute\n")
                 sys.stderr.flush()
             _TOLD[what] = sys.stderr
         elif sys.stderr is not None and sys.stderr.isatty():
+            total = total or _of_engine()
             of = f" of {max(begun, total)}" if what == ENGINE else ""
             words = f"compiling the {what} on first use: {begun}{of} functions"
             if status is None:
@@ -57,3 +56,9 @@ def noticed(what: str = ENGINE) -> Iterator[None]:
     finally:
         if status is not None:
             status.stop()
+
+
+def _of_engine() -> int:
+    """Return how many functions of the engine are to be compiled."""
+    rooms = [module for name, module in [*sys.modules.items()] if name.startswith("stickslip.engine.")]
+    return len({id(f) for module in rooms for f in vars(module).values() if isinstance(f, Dispatcher)})

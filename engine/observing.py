@@ -10,11 +10,11 @@ z are the component's states and, behind them, loads that decay, l' = -l / time.
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.call import pointer_to
 from stickslip.engine.events import fire_positive, watch_rates
 from stickslip.engine.layout import CHAIN, EV_ROOM, MAX_CHAIN, N_EVENTS, N_STATES, O_F, O_X
 from stickslip.engine.sweep import events_of_signals, rates, signals
+from stickslip.logs.compiled import njit
 
 SHARE = 1e-6  # of a state's size: step that shows a slope
 

@@ -5,7 +5,6 @@ that was right there.
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.layout import (
     ATOL,
     CROWDED,
@@ -37,6 +36,7 @@ from stickslip.engine.layout import (
     T,
 )
 from stickslip.engine.sweep import rates
+from stickslip.logs.compiled import njit
 
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
 EASY = 0.01  # an error so small asks for no shorter step

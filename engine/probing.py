@@ -19,12 +19,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from stickslip.engine import layout as at
 from stickslip.engine.call import call, pointer_to
 from stickslip.engine.callback import pardoned
 from stickslip.engine.flat import Floats, Ints
 from stickslip.engine.table import Component
+from stickslip.logs.compiled import njit
 
 LOOKS = 256
 EACH = 32  # anchors spread evenly, and as many where the function bends most

@@ -13,7 +13,6 @@ size of what comes out; a step for which it is too bold is refused like any othe
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.delay import SMOOTH, close_record, happens, let_out, open_record
 from stickslip.engine.dense import interpolate
 from stickslip.engine.events import stop_at
@@ -53,6 +52,7 @@ from stickslip.engine.layout import (
     T,
 )
 from stickslip.engine.sweep import play, resolution
+from stickslip.logs.compiled import njit
 
 KINK = 1  # a breakpoint of this level is still an instant: rates of signals jump there
 NO_JUMP = 1e-3  # a jump smaller than this share of the tolerance is rounding

@@ -5,7 +5,6 @@ parameters that hold a noise in force.  Everything else, clocks and counters inc
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.call import pointer_to
 from stickslip.engine.entry import call_advance
 from stickslip.engine.events import keep_inputs, watch_rates
@@ -29,6 +28,7 @@ from stickslip.engine.layout import (
     T,
 )
 from stickslip.engine.sweep import signals
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

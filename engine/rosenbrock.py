@@ -7,7 +7,6 @@ follows a smooth input; the orders are measured in ``tests/engine/test_order.py`
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.floats import finite
 from stickslip.engine.layout import (
     ATOL,
@@ -29,6 +28,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.linear import factorise, solve
 from stickslip.engine.sweep import rates
+from stickslip.logs.compiled import njit
 
 _GAMMA = 0.21193756319429014
 _ALPHA = np.array([0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0])

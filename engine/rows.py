@@ -1,6 +1,5 @@
 """Log rows: dense output at the log times, a chunk of rows at a time, block by block."""
 
-from numba import njit
 from stickslip.engine.call import call
 from stickslip.engine.delay import delayed
 from stickslip.engine.dense import interpolate_rows
@@ -41,6 +40,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.series_rows import series_rows
 from stickslip.engine.sweep import clock, signals
+from stickslip.logs.compiled import njit
 
 MANY = 4  # rows in a step of a series, from which it pays to make series of the signals too
 

@@ -1,7 +1,6 @@
 """Sampled blocks: when each is due, and what happens at a sampling instant."""
 
 import numpy as np
-from numba import njit
 from stickslip.engine.call import call
 from stickslip.engine.delay import happens, let_out
 from stickslip.engine.layout import (
@@ -36,6 +35,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.listed import find_row, listed_time, put_row
 from stickslip.engine.sweep import clock, gather
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

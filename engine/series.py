@@ -20,7 +20,6 @@ method takes the step.
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.floats import copy, finite
 from stickslip.engine.layout import (
     ATOL,
@@ -47,6 +46,7 @@ from stickslip.engine.layout import (
     TIMED,
 )
 from stickslip.engine.sweep import events_of_signals, rates
+from stickslip.logs.compiled import njit
 
 ENOUGH = 1e-3  # terms are added until the last one is this share of the tolerance
 TRUST = 0.05  # so much, as a share of the tolerance, may the rates at the end move the states off the series

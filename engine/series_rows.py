@@ -10,7 +10,6 @@ blocks say what their signals are, and where these differ, C and d are taken ane
 block.
 """
 
-from numba import njit
 from stickslip.engine.dense import interpolate
 from stickslip.engine.floats import copy
 from stickslip.engine.layout import (
@@ -39,6 +38,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.series import SHARE, TRUST, make_terms
 from stickslip.engine.sweep import signals
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
 from stickslip.engine.layout import COUNT, EVENTS, R
 from stickslip.engine.layout import H as H0
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.spread import NARROWEST, add_bend, bent, foretells, one_bend
+from stickslip.logs.compiled import njit
 
 WIDE = math.sqrt(3.0)
 SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded

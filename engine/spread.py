@@ -11,7 +11,7 @@ differences in mean and spread as in Norgaard, Poulsen and Ravn, Automatica 36 (
 import math
 
 import numpy as np
-from numba import njit
+from stickslip.logs.compiled import njit
 
 SHARP = 12.0  # mean square of b x^2 is c^2 / 12, where c = f(+) + f(-) - 2 f(0) sqrt 3 standard deviations away
 TURN = 6.0  # mean of b x^2 is c / 6, with the same c

@@ -1,7 +1,6 @@
 """One accepted step by the method in use, and its dense output."""
 
 import numpy as np
-from numba import njit
 from stickslip.engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
 from stickslip.engine.floats import copy
 from stickslip.engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
@@ -26,6 +25,7 @@ from stickslip.engine.pace import after_refusal, after_step, proposed
 from stickslip.engine.rosenbrock import rosenbrock_dense, rosenbrock_step
 from stickslip.engine.series import series_step
 from stickslip.engine.sweep import clock
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

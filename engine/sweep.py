@@ -3,7 +3,6 @@
 All functions work on the two arrays of ``stickslip.engine.layout``; the states they see are those at ``W[O_X]``.
 """
 
-from numba import njit
 from stickslip.engine.call import call
 from stickslip.engine.delay import delayed
 from stickslip.engine.layout import (
@@ -30,6 +29,7 @@ from stickslip.engine.layout import (
     T,
     U,
 )
+from stickslip.logs.compiled import njit
 
 ROUNDING = 2.0**-50
 AHEAD = 1e-7  # [s]: over which rates of signals are taken.  Shorter, rounding would decide the sign of small ones;

@@ -13,7 +13,6 @@ modes.  In all other components samples alone take turns, in the order of signal
 
 from collections.abc import Sequence
 
-from numba import njit
 from stickslip.engine import layout as at
 from stickslip.engine.call import call
 from stickslip.engine.events import fire, show_jump, watch_rates
@@ -52,6 +51,7 @@ from stickslip.engine.layout import (
 )
 from stickslip.engine.sampling import due, take
 from stickslip.engine.sweep import clock, gather, play_calls
+from stickslip.logs.compiled import njit
 
 
 def starting_order(rows: Sequence[FlatBlock]) -> list[int]:

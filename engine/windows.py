@@ -12,7 +12,6 @@ length zero from one cell to another.
 """
 
 import numpy as np
-from numba import njit
 from stickslip.engine.advance import OK, PAUSED
 from stickslip.engine.call import pointer_to
 from stickslip.engine.delay import SMOOTH, delayed
@@ -56,6 +55,7 @@ from stickslip.engine.layout import (
     T,
 )
 from stickslip.engine.sweep import signals
+from stickslip.logs.compiled import njit
 
 TIGHT = 7  # the cells hang together too tightly for windows
 MOST_RUNS = 10  # of one cell in one window

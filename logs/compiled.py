@@ -1,19 +1,47 @@
-"""Numba's ``njit`` for every room, with a place for what it compiles.
+"""Numba's ``njit`` for every room, with a place for what it compiles, loaded without waking the compiler.
 
 Numba keeps compiled code beside the sources or in the home folder, and refuses at import where it can write neither.
 It is then kept among temporary files: the place is chosen as this file is loaded, before anything is compiled.
+
+Before it loads anything numba reads in all that it would need to compile something: about a hundred modules, half of
+what a short simulation costs.  Code that is ready needs numba's runtime only; what has to be compiled wakes the
+compiler itself.
 """
 
 import os
 import stat
 import tempfile
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from numba import njit
+import numba
 from numba.core import config
 from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 
-__all__ = ["njit", "own_folder"]
+__all__ = ["ReadyCache", "njit", "own_folder"]
+
+
+class ReadyCache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of one function, loading what is there as it is."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the compiled function of a signature, or None if it is not there."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
+def njit(function: Any = None, **options: Any) -> Any:
+    """Return the function compiled as numba's ``njit`` does it; with ``cache`` what is kept is loaded as it is."""
+    if function is None:
+        return partial(njit, **options)
+    cache = options.pop("cache", False)
+    made = numba.njit(function, **options)
+    if cache:
+        made._cache = ReadyCache(function)
+    return made
 
 
 def _choose() -> None:

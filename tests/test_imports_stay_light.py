@@ -31,14 +31,25 @@ def test_command_line_loads_nothing_heavy() -> None:
     assert not loaded_by("import stickslip.commands.cli") & heavy
 
 
+def loaded_when_compiled(code: str) -> set[str]:
+    loaded_by(code)  # the first may have to compile
+    return loaded_by(code)
+
+
 def test_a_simulation_that_is_compiled_already_does_not_wake_the_compiler() -> None:
-    code = """
-import sys
+    loaded = loaded_when_compiled("""
 from stickslip.diagram import simulate
 from stickslip.plant.loops import self_regulating_loop
 simulate(self_regulating_loop(), 10.0)
-print(*sys.modules)
-"""
-    for _ in range(2):  # the first may have to compile
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not set(done.stdout.split()) & {"numba.np.linalg", "numba.np.arraymath", "polars"}
+""")
+    assert not loaded & {"numba.np.linalg", "numba.np.arraymath", "polars"}
+
+
+def test_a_verdict_by_methods_that_are_compiled_already_does_not_wake_the_compiler() -> None:
+    loaded = loaded_when_compiled("""
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import diagnose
+from stickslip.logs import read_loop
+diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv"))
+""")
+    assert not loaded & {"numba.cpython.printimpl", "numba.np.arraymath", "scipy.linalg"}

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from stickslip.detect.half_waves.half_cycle_kernels import half_cycles, level
 from stickslip.detect.signals.kernels import flips, spread, steps
+from stickslip.detect.signals.order_kernels import count_before, count_until, median_step
 from stickslip.detect.signals.smoothing_kernels import averages, noise
 from stickslip.logs.compiled import njit
 
@@ -43,7 +44,7 @@ def _ready(
     if sigma < 1e-3 * std:
         sigma = 0.0
     low, high = steps(t)
-    dt = low if low == high else np.median(np.diff(t))
+    dt = low if low == high else median_step(t)
     width = 0.0
     if sigma > noise_share * std:
         width = min(dt * (sigma / (noise_share * std)) ** 2, smooth_max * period)
@@ -58,7 +59,7 @@ def _ready(
         found = flips(t, e, np.full(n, 0.1 * std), cuts)
         if found >= 3:
             last = cuts[found - 1] if found % 2 else cuts[found - 2]
-            first, end = np.searchsorted(t, cuts[0]), np.searchsorted(t, last, side="right")
+            first, end = count_before(t, cuts[0]), count_until(t, last)
             if end - first > 2:
                 e = e - level(t[first:end], e[first:end])
     return e, sigma, drifts

@@ -7,7 +7,7 @@ and so is a call for each: ``half_cycles`` and ``half_waves`` go through all of 
 import math
 from typing import Any
 
-import numpy as np
+from stickslip.detect.signals.order_kernels import count_before, count_until
 from stickslip.logs.compiled import njit
 
 __all__ = ["FAULTS", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
@@ -72,7 +72,7 @@ def half_cycle(
     t: Any, x: Any, start: float, end: float, noise: float, least: int, flat_share: float, two_peaks: float, kink: float
 ) -> tuple[Any, ...]:
     """Fault (index of FAULTS), peak time, peak, areas before and after, samples, misfits of sine and triangle."""
-    lo, hi = np.searchsorted(t, start, "right"), np.searchsorted(t, end, "left")
+    lo, hi = count_until(t, start), count_before(t, end)
     n = hi - lo
     if n < least:
         return 1, 0.5 * (start + end), 0.0, 0.0, 0.0, n, 0.0, 0.0
@@ -150,8 +150,8 @@ def half_cycles(
     """
     for i in range(len(cuts) - 1):
         start, end = cuts[i], cuts[i + 1]
-        a = max(np.searchsorted(t, start) - MARGIN_SAMPLES, 0)
-        b = min(np.searchsorted(t, end) + MARGIN_SAMPLES, len(t))
+        a = max(count_before(t, start) - MARGIN_SAMPLES, 0)
+        b = min(count_before(t, end) + MARGIN_SAMPLES, len(t))
         fault, when, peak, before, after, n, sine, triangle = half_cycle(
             t[a:b], x[a:b], start, end, noise, least, flat_share, two_peaks, kink
         )
@@ -211,7 +211,7 @@ def mean_abs(e: Any, memory: int, out: Any) -> None:
 def half_waves(t: Any, e: Any, sp: Any, cuts: Any, phase: Any, out: Any, shapes: Any) -> None:
     """What ``_half_wave`` says between neighbouring ``cuts`` (m + 1,), and the samples inside, into out (m, 7)."""
     for i in range(len(cuts) - 1):
-        a, b = np.searchsorted(t, cuts[i]), np.searchsorted(t, cuts[i + 1])
+        a, b = count_before(t, cuts[i]), count_before(t, cuts[i + 1])
         out[i, 6] = b - a
         if b > a:
             iae, v_sine, v_square, peak, longest, span = _half_wave(

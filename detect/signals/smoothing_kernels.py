@@ -6,6 +6,7 @@ Loaded when first called.  Windows come in order, so that two walks along the po
 from typing import Any
 
 import numpy as np
+from stickslip.detect.signals.order_kernels import median
 from stickslip.logs.compiled import njit
 
 __all__ = ["averages", "noise"]
@@ -75,4 +76,4 @@ def noise(t: Any, x: Any) -> Any:
         return 0.0
     off = np.empty(len(t) - 4)
     _off_cubic(t, x, off)
-    return np.median(off) / WHITE
+    return median(off) / WHITE

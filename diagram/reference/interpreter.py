@@ -40,8 +40,13 @@ class Interpreter:
         self.states = [slice(a, b) for a, b in itertools.pairwise(starts)]
         self.n_states = int(starts[-1])
         flowing = [(b, self.blocks[b].kernels) for b in self.order if not self.blocks[b].sampled]
-        self.putting_out = [(b, kernels.out) for b, kernels in flowing if kernels.out is not None]
-        self.moving = [(b, k.der) for b, k in flowing if k.der is not None and len(self.blocks[b].x0)]
+        fixed = [block.p if block.timetable is None else None for block in self.blocks]
+        self.putting_out = [
+            (b, kernels.out, self.states[b], fixed[b], self.places[b], len(self.places[b]))
+            for b, kernels in flowing
+            if kernels.out is not None
+        ]
+        self.moving = [(b, k.der, self.states[b]) for b, k in flowing if k.der is not None and len(self.blocks[b].x0)]
         self.x: Floats = np.concatenate([block.x0 for block in self.blocks]) if self.blocks else np.zeros(0)
         self.t = t0
         self.t_left = math.nextafter(t0, -math.inf)  # sources are not looked at beyond
@@ -114,11 +119,13 @@ class Interpreter:
     def signals_at(self, t: float, x: Floats) -> Floats:
         """Compute all signals for state ``x`` at ``t`` [s]; returns ``self.s``."""
         t = min(t, self.t_left)
-        for b, out in self.putting_out:
-            y = np.zeros(len(self.places[b]))
-            out(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), y)
-            self.s[self.places[b]] = y
-        return self.s
+        s, d, of, dead = self.s, self.d, self.wires, self.dead
+        for b, out, states, p, places, n in self.putting_out:
+            y = np.zeros(n)
+            u = self._input(b, t) if b in dead else s[of[b]]
+            out(t, x[states], d[b], u, self._p(b, t) if p is None else p, y)
+            s[places] = y
+        return s
 
     def rates(self, t: float, x: Floats) -> Floats:
         """Return dx/dt (n_states,)."""
@@ -127,8 +134,7 @@ class Interpreter:
         self.signals_at(t, x)
         t = min(t, self.t_left)
         rates = np.zeros(self.n_states)
-        for b, der in self.moving:
-            place = self.states[b]
+        for b, der, place in self.moving:
             der(t, x[place], self.d[b], self._input(b, t), self._p(b, t), rates[place])
         return rates
 

@@ -35,23 +35,26 @@ def with_plain_cells(table: Table) -> Table:
 
     long = find_long_form(table.frame.columns)
     columns, units, notes = [], dict(table.units), list(table.notes)
+    text = table.frame.select(pl.col(pl.String))
+    ascii_only = _of_each(text, pl.all().str.len_bytes().sum() == pl.all().str.len_chars().sum())
+    # Where a unit stands behind every number, it does in the first rows: nearly every column ends in figures.
+    measured = _of_each(text.head(_LOOK_ROWS), pl.all().str.contains(r"[%A-Za-z³]$").any())
     for column in table.frame.get_columns():
-        if column.dtype == pl.String:
-            column = _with_minus(column)
-            # Where a unit stands behind every number, it does in the first rows: nearly every column ends in figures.
-            if column.head(_LOOK_ROWS).str.contains(r"[%A-Za-z³]$").any():
-                tags = table.frame[long.tag].cast(pl.String) if long is not None and column.name == long.value else None
-                column, found = _without_units(column, tags, units)
-                units |= found
-                notes += [f"{name}: the numbers carry their unit, {unit!r}." for name, unit in found.items()]
+        name = column.name
+        if not ascii_only.get(name, True):
+            column = column.str.replace(_SIGNED, "-${1}").str.replace(_POWER, "${1}-${2}")
+        if measured.get(name, False):
+            tags = table.frame[long.tag].cast(pl.String) if long is not None and name == long.value else None
+            column, found = _without_units(column, tags, units)
+            units |= found
+            notes += [f"{name}: the numbers carry their unit, {unit!r}." for name, unit in found.items()]
         columns.append(column)
     return replace(table, frame=pl.DataFrame(columns), units=units, notes=tuple(notes))
 
 
-def _with_minus(column: pl.Series) -> pl.Series:
-    if column.str.len_bytes().sum() == column.str.len_chars().sum():  # nothing but ASCII
-        return column
-    return column.str.replace(_SIGNED, "-${1}").str.replace(_POWER, "${1}-${2}")
+def _of_each(text: pl.DataFrame, asked: pl.Expr) -> dict[str, bool]:
+    """What is asked of all columns at once: one by one they take a tenth of a millisecond each."""
+    return text.select(asked).row(0, named=True) if text.width else {}
 
 
 def _without_units(

@@ -45,12 +45,13 @@ def decimal_mark(frame: pl.DataFrame) -> str:
     head = frame.head(1000)
     if head.width > _HEAD_COLUMNS:
         head = head[:, :: head.width // _HEAD_COLUMNS]
-    commas = points = 0
-    for name in head.columns:
-        if head[name].dtype == pl.String:
-            cells = head[name].alias("")
-            commas += int(cells.str.contains(r"^[-+]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][-+]?\d+)?$").sum())
-            points += int(cells.str.contains(r"^[-+]?(\d*|\d{1,3}(,\d{3})+)\.\d+([eE][-+]?\d+)?$").sum())
+    text = head.select(pl.col(pl.String))  # all at once: one by one each takes a tenth of a millisecond
+
+    def cells(form: str) -> int:
+        return sum(text.select(pl.all().str.contains(form).sum()).row(0)) if text.width else 0
+
+    commas = cells(r"^[-+]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][-+]?\d+)?$")
+    points = cells(r"^[-+]?(\d*|\d{1,3}(,\d{3})+)\.\d+([eE][-+]?\d+)?$")
     return "," if commas > points else "."
 
 
@@ -76,11 +77,12 @@ def numbers(
         raise ReadError(f"column {name!r} holds times, not numbers; name another column")
     if column.dtype != pl.String:
         raise ReadError(f"column {name!r} holds {column.dtype}, not numbers; name another column")
-    text = column.alias("").fill_null("")
+    text = column.alias("")
+    text = text.fill_null("") if text.null_count() else text
     if decimal == ".":  # marks between thousands are then no numbers, so that one look is enough
         plainly = text.cast(pl.Float64, strict=False)
-        if plainly.null_count() == 0 and plainly.is_finite().all():
-            values = plainly.to_numpy().astype(np.float64)
+        values = plainly.to_numpy().astype(np.float64)
+        if np.isfinite(values).all():
             if keep_infinite:
                 return Numbers(values, None)
             near = _within_reach(values, name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 __all__ = ["ROLES", "numbers_in", "plain", "role_of", "same_numbers"]
 
@@ -46,6 +47,7 @@ _WORD = re.compile(r"[^\s._/\\:|#\-]+")
 _POSITION = re.compile(r"^(.*[^A-Za-z])?Z[IT]{1,2}[-_ ]?\d+[A-Za-z]?$", re.IGNORECASE)
 
 
+@lru_cache(maxsize=10_000)  # a file asks many times for each of its columns
 def role_of(column: str) -> tuple[str, str] | None:
     """Loop and role ("SP", "PV", "OP", "MV", "STEM", "MODE") that a column name tells, None if none.
 

@@ -62,6 +62,19 @@ def test_the_first_check_that_fails_is_told_and_nothing_is_tested(start, monkeyp
     assert capfd.readouterr().out.endswith("+ a 1\nsaid\n+ b 2\nsaid\n")
 
 
+@pytest.mark.parametrize(("code", "again"), [(0, False), (1, True), (5, False)])
+def test_what_fails_runs_once_more_and_says_why_in_full(start, monkeypatch, code, again):
+    ran = []
+
+    def run(words, **options):
+        ran.append(words[1:])
+        return subprocess.CompletedProcess(words, code)
+
+    monkeypatch.setattr(start.subprocess, "run", run)
+    assert start.tested() == code
+    assert ran == [start.TESTS[1:], *([start.FAILED[1:]] if again else [])]
+
+
 def test_tests_need_more_and_serve_the_commands_too(start, monkeypatch):
     start.main()
     monkeypatch.setattr(sys, "argv", ["start.py", "test"])
