@@ -94,8 +94,12 @@ class Advice(Shown):
 
     def words(self) -> list[str]:
         """The recommendation in sentences."""
+        if self.fit.doubt:
+            return [self.fit.doubt]
         if not self.fit.sticks:
-            return ["No stick is seen in this loop, so there is nothing to make up for."]
+            return [
+                f"The valve shows no stick (S is below {self.fit.S.high:.3g} {self.fit.op_unit}): leave it as it is."
+            ]
         sd = float(np.median(self.none.outcome.pv_sd))
         found = []
         for when, name in (("Until the shutdown", self.until_shutdown), ("At the shutdown", self.at_shutdown)):

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stickslip.blocks import GapPI, HeValve
+from stickslip.detect.likelihood.pooled import evidence_of
+from stickslip.detect.likelihood.stems import stems_of
 from stickslip.diagram import drive, simulate
 from stickslip.logs import LoopRecord
 from stickslip.remedy import FitError, cost, fit, python_of, remedies
@@ -136,8 +138,22 @@ def test_a_loop_without_stick_gets_a_fit_and_no_remedy():
     sound = remedies(fit(sticky(hours=1.0, S=0.0, J=0.0)))
     assert not sound.fit.sticks
     assert sound.until_shutdown is None and sound.at_shutdown is None
-    assert "No stick" in sound.words()[0]
+    assert sound.fit.verdict == "inconclusive" and sound.words() == [sound.fit.doubt]  # OP travels 1.9 %
     json.dumps(sound.to_dict(), allow_nan=False)
+    rng, u = np.random.default_rng(1), 5.0 * np.sin(np.arange(2000.0) / 25.0) + np.sin(np.arange(2000.0) / 80.0)
+    plain = evidence_of([stems_of(u, np.roll(u, 1) + 0.1 * rng.normal(size=2000))])
+    clear = replace(sound, fit=replace(sound.fit, evidence=plain))
+    assert clear.fit.verdict == "no_stiction" and clear.fit.S.value == 0.0 < clear.fit.S.high < 2.0
+    assert "shows no stick" in clear.words()[0] and "shows no stick, S = 0" in clear.fit.headline
+
+
+def test_of_a_stem_that_stands_still_all_along_the_record_tells_nothing():
+    # was "No stick is seen in this loop, so there is nothing to make up for", with S = 0 (0 to 0.4 %)
+    still = fit(sticky(hours=1.0, S=20.0, J=3.0, sp=48.0))
+    assert still.verdict == "inconclusive" and not still.sticks
+    assert still.S.value is None and still.S.high is None and still.to_dict()["valve"]["S"]["value"] is None
+    (said,) = remedies(still).words()
+    assert "does not tell" in said and "PV shows no answer" in said and "move OP by" in said and "nothing" not in said
 
 
 def test_the_json_is_of_the_agreed_form(advice):
