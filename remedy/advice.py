@@ -28,7 +28,7 @@ from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settlin
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Advice", "Tried", "remedies"]
+__all__ = ["Advice", "Tried", "remedies", "score"]
 
 Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
@@ -181,7 +181,8 @@ def _situation(fit: LoopFit) -> Situation:
     )  # fmt: skip
 
 
-def _score(one: Outcome, none: Outcome) -> float:
+def score(one: Outcome, none: Outcome) -> float:
+    """The score of an outcome beside that of doing nothing, the median over all loops."""
     swing, travel = none.pv_sd + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
     return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
 
@@ -204,12 +205,12 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     none, left, chosen = found[0], found[1:], []
     for name, shutdown, not_for, own in plans:
         mine, left = left[: len(own)], left[len(own) :]
-        best = min(mine, key=lambda one: _score(one, none))
+        best = min(mine, key=lambda one: score(one, none))
         chosen.append((name, shutdown, not_for, best))
     times = settling(fit, [NOTHING, *(best.setting for *_, best in chosen)])
     tried = [
         Tried(
-            name, shutdown, not_for, best, _score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
+            name, shutdown, not_for, best, score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
             size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
         for (name, shutdown, not_for, best), (sp, load) in zip(
