@@ -77,17 +77,20 @@ class Outcome:
 
 def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
     """The loop with every remedy in its place, none of them on; with the law of ``one``, or of the likeliest."""
-    law, one = fit.controller, one or fit.best
-    dt = law.dt
-    K_p, T_i, T_d = series(fit.controller)
+    return wire(_blocks(fit, one or fit.best), inputs=["SP", "v"], outputs=["PV", "OP", "MV"])
+
+
+def _blocks(fit: LoopFit, one: Loop) -> list[Block]:
+    law, dt, u0 = fit.controller, fit.controller.dt, float(fit.days[0].op[0])
+    K_p, T_i, T_d = series(law)
     lead: list[Block] = []
     if T_d > 0.0 or law.T_f > 0.0:
         a = math.exp(-dt / law.T_f) if law.T_f > 0.0 else 0.0
         b = [(1.0 - a) * (1.0 + T_d / dt), -(1.0 - a) * T_d / dt, 0.0]
         lead = [Biquad("PV_f", "PV", b=b, a=[-a, 0.0], dt=dt, name="filter")]
     controller = GapPI(
-        K_p, T_i, dt=dt, **WIDE, action="reverse" if law.K_p > 0.0 else "direct", name="controller",
-        inputs={"SP": "SP", "PV": "PV_f" if lead else "PV"}, outputs={"OP": "OP_c"},
+        K_p, T_i, dt=dt, low=law.low - u0, high=law.high - u0, action="reverse" if law.K_p > 0.0 else "direct",
+        name="controller", inputs={"SP": "SP", "PV": "PV_f" if lead else "PV"}, outputs={"OP": "OP_c"},
     )  # fmt: skip
     between = [
         Knocker(0.0, 5.0 * dt, 2.0 * dt, dt, inputs="OP_c", outputs="OP_k"),
@@ -95,71 +98,50 @@ def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
         TwoMove(1.0, 0.0, math.inf, dt, dt, inputs={"OP_c": "OP_r", "SP": "SP", "PV": "PV"}),
     ]
     valve = ChenValve(one.S, one.J, dt, **WIDE) if one.follows else HeValve.from_bands(one.S, one.J, dt, **WIDE)
-    late = _late(one, dt)
+    late = 0.25 * dt * round(4.0 * one.theta / dt)  # in quarters of a scan: no step of a run is longer than it
     lag = FirstOrder(1.0, max(one.tau_2, 0.01 * dt), name="lag", inputs="MV", outputs="MV_2")
     flow: dict[str, Any] = {"inputs": "MV_2", "outputs": "y", "name": "process"}
     process = Integrator(one.K, 1.0, late, **flow) if one.integrating else FirstOrder(one.K, one.tau, late, **flow)
-    blocks: list[Block] = [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
-    return wire(blocks, inputs=["SP", "v"], outputs=["PV", "OP", "MV"])
+    return [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
 
 
-def _late(one: Loop, dt: float) -> float:
-    """The dead time [s] in quarters of a scan: a run takes no step longer than a dead time."""
-    return 0.25 * dt * round(4.0 * one.theta / dt)
+def _parameters(fit: LoopFit, one: Loop, stick: float = 1.0) -> dict[str, float]:
+    """All parameters of the loop with so much of its stick and no remedy."""
+    blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
+    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
 
 
-def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
-    """The parameters of one loop under one setting."""
-    K_p, T_i, _ = series(fit.controller)
-    law, u0 = fit.controller, float(fit.days[0].op[0])
-    S, J = (one.S * setting.factors.get("valve.S", 1.0), one.J * setting.factors.get("valve.J", 1.0))
-    found = {
-        "controller.K_p": K_p * setting.factors.get("controller.K_p", 1.0),
-        "controller.T_i": T_i * setting.factors.get("controller.T_i", 1.0),
-        "controller.low": law.low - u0, "controller.high": law.high - u0, "controller.gap": 0.0, "controller.zone": 0.0,
-        "knocker.a": 0.0, "knocker.period": 5.0 * law.dt, "knocker.width": 2.0 * law.dt,
-        "reinforcement.a": 0.0, "reinforcement.hold": 0.0,
-        "two_move.S": 1.0, "two_move.J": 0.0, "two_move.band": 1e300, "two_move.pause": law.dt,
-        "lag.tau": max(one.tau_2, 0.01 * law.dt), "process.K": one.K, "process.theta": _late(one, law.dt),
-    }  # fmt: skip
-    bands = {"valve.S": S, "valve.J": J} if one.follows else {"valve.f_s": 0.5 * (S + J), "valve.f_d": 0.5 * (S - J)}
-    lags = {} if one.integrating else {"process.tau": one.tau}
-    return {**found, **bands, **lags, **setting.params}
+def _set(own: Mapping[str, float], setting: Setting) -> dict[str, float]:
+    return {key: value * setting.factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
 
 
 def _run(
     fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
 ) -> dict[str, Floats]:
     """Signals (settings, loops, n) of each setting on each loop, which has its load."""
-    shape = (len(settings), len(loops), len(sp))
-    found: dict[str, Floats] = {}
+    n, dt = len(sp), fit.controller.dt
+    t = np.arange(n) * dt
+    found = {name: np.empty((len(settings), len(loops), n)) for name in ("PV", "OP", "MV")}
     for follows in {one.follows for one in loops}:
         at = [i for i, one in enumerate(loops) if one.follows == follows]
-        own = _of_one_law(fit, [loops[i] for i in at], settings, [loads[i] for i in at], sp, z)
-        for name, values in own.items():
-            found.setdefault(name, np.empty(shape))[:, at] = values.reshape(len(settings), len(at), len(sp))
+        sticks = [setting.factors.get("stick", 1.0) for setting in settings]
+        own = {(i, stick): _parameters(fit, loops[i], stick) for i in at for stick in {1.0, *sticks}}
+        plain = own[at[0], 1.0]
+        columns = [_set(own[i, stick], setting) for setting, stick in zip(settings, sticks, strict=True) for i in at]
+        differ = {key: np.array([each[key] for each in columns]) for key in plain}
+        begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
+        begin["controller.z"] = np.full(len(columns), z)
+        values = ensemble(
+            diagram_of(fit, loops[at[0]]), float(t[-1]), start=begin, times=t, signals=list(found), rtol=1e-5,
+            params={key: each for key, each in differ.items() if np.any(each != plain[key])}, atol=1e-8, workers=1,
+            inputs={
+                "SP": Recorded("SP", t, sp, hold="previous"),
+                "v": [Recorded("v", t, loads[i], hold="previous") for _ in settings for i in at],
+            }, progress=False,
+        ).values  # fmt: skip
+        for name, signals in found.items():
+            signals[:, at] = values[name].reshape(len(settings), len(at), n)
     return found
-
-
-def _of_one_law(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
-) -> Mapping[str, Floats]:
-    """Signals (settings * loops, n) of loops whose stems have one law."""
-    dt, n = fit.controller.dt, len(sp)
-    diagram, t = diagram_of(fit, loops[0]), np.arange(n) * dt
-    columns, inputs = [], []
-    for setting in settings:
-        for one, load in zip(loops, loads, strict=True):
-            columns.append({**_parameters(fit, one, setting), "process.theta_start": 0.0})
-            inputs.append(Recorded("v", t, load, hold="previous"))
-    params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
-    begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
-    begin["controller.z"] = np.full(len(columns), z)
-    return ensemble(
-        diagram, float(t[-1]), params=params, start=begin, times=t, signals=["PV", "OP", "MV"],
-        inputs={"SP": Recorded("SP", t, sp, hold="previous"), "v": inputs}, rtol=1e-5, atol=1e-8, workers=1,
-        progress=False,
-    ).values  # fmt: skip
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
