@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import series
 from stickslip.remedy.leaving import Cost, cost_between
-from stickslip.remedy.loop_fit import LoopFit, Size, size_of, widened
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.setting import Situation
+from stickslip.remedy.size import Size, size_of, widened
 from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settling
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
-from stickslip.remedy.loop_fit import widened
 from stickslip.remedy.process import predicted
+from stickslip.remedy.size import widened
 from stickslip.remedy.trial import SKIPPED
 
 if TYPE_CHECKING:

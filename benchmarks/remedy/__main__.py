@@ -28,8 +28,9 @@ from typing import Any
 import numpy as np
 from stickslip.remedy import Advice, FitError, fit, remedies
 from stickslip.remedy.advice import TRAVEL, score
-from stickslip.remedy.loop_fit import LoopFit, size_of, widened
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.process import Loop, beside, predicted, start_noise
+from stickslip.remedy.size import size_of, widened
 from stickslip.remedy.trial import NOTHING, outcomes
 
 from benchmarks.remedy import apart

@@ -15,9 +15,9 @@ from stickslip.remedy import FitError, cost, fit, python_of, remedies
 from stickslip.remedy.advice import LONG, SURE, TRAVEL
 from stickslip.remedy.example import sticky
 from stickslip.remedy.leaving import Cost
-from stickslip.remedy.loop_fit import Size
 from stickslip.remedy.measures import REMEDIES, half_gain
 from stickslip.remedy.measures.setting import Setting, Situation
+from stickslip.remedy.size import Size
 from stickslip.remedy.trial import NOTHING, UNSTABLE, diagram_of, outcomes
 
 
