@@ -67,13 +67,9 @@ class Outcome:
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
-        names = {
-            "pv_sd": self.pv_sd,
-            "op_sd": self.op_sd,
-            "travel_per_h": self.travel,
-            "reversals_per_h": self.reversals,
-        }
-        return {name: size_of(values, endless=UNSTABLE).to_dict() for name, values in names.items()}
+        names = ("pv_sd", "op_sd", "travel_per_h", "reversals_per_h")
+        values = (self.pv_sd, self.op_sd, self.travel, self.reversals)
+        return {name: size_of(own, endless=UNSTABLE).to_dict() for name, own in zip(names, values, strict=True)}
 
 
 def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
@@ -189,23 +185,19 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     They are those of the tuning alone: neither stick nor noise nor the record's load.  inf where it does not within the
     run.
     """
-    loops = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]]
-    n = STEP
-    dt, found = fit.controller.dt, []
-    t = np.arange(n) * dt
-    loads: list[Floats] = []
-    for one in loops:
-        slow = max(one.tau, dt)
-        loads.append(np.asarray(one.K * t if one.integrating else one.K * (1.0 - np.exp(-t / slow))))
-    none: list[Floats] = [np.zeros(n)] * len(loops)
+    loops, dt = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]], fit.controller.dt
+    t, none = np.arange(STEP) * dt, [np.zeros(STEP)] * len(loops)
+    loads = [one.K * (t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt))) for one in loops]
     plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, loops, plain, none, np.ones(n), 0.0)["PV"]
-    pushed = _run(fit, loops, plain, loads, np.zeros(n), 0.0)["PV"]
-    for i in range(len(settings)):
-        sp = np.array([_settled(own - 1.0, 0.05, dt) for own in steps[i]])
-        load = np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in pushed[i]])
-        found.append((sp, load))
-    return found
+    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0)["PV"] - 1.0
+    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0)["PV"]
+    return [
+        (
+            np.array([_settled(own, 0.05, dt) for own in after_step]),
+            np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in after_load]),
+        )
+        for after_step, after_load in zip(steps, pushed, strict=True)
+    ]
 
 
 def _tuning_alone(setting: Setting) -> Setting:
