@@ -198,7 +198,8 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     (1.05, True)
     """
     at = _situation(fit)
-    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in REMEDIES]
+    known = () if fit.doubt else REMEDIES  # behind a stem that may stand still no trial says anything
+    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in known]
     plans = [plan for plan in plans if plan[3]]
     settings = [NOTHING, *(setting for plan in plans for setting in plan[3])]
     progress(f"trying {len(settings) - 1} settings of {len(plans)} remedies on the fitted loops")

@@ -78,8 +78,9 @@ def tell(say: Speaker, advice: "Advice") -> None:
         say.paragraph(advice.cost.words(found.op_unit))
     if advice.until_shutdown or advice.at_shutdown:
         say.paragraph(TRIAL)
-    say.table(advice.columns(), advice.rows())
-    say("Settings tried, the best of each:")
+    if advice.tried:
+        say.table(advice.columns(), advice.rows())
+        say("Settings tried, the best of each:")
     for one in advice.tried:
         say.paragraph(f"{one.name}: {one.settings}", "  - ")
 
@@ -98,6 +99,7 @@ def _page(advice: "Advice") -> str:
     from stickslip.commands.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     first = Section("What to do", *headline(advice), " ".join(advice.words()))
-    first.figures.append(captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %."))
-    first.figures.append(table_to_html(advice.columns(), advice.rows()))
+    if advice.tried:
+        picture = captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %.")
+        first.figures += [picture, table_to_html(advice.columns(), advice.rows())]
     return page(f"{advice.fit.name or 'loop'}: what to do", "", [first, fit_section(advice.fit)])

@@ -152,7 +152,9 @@ def test_of_a_stem_that_stands_still_all_along_the_record_tells_nothing():
     still = fit(sticky(hours=1.0, S=20.0, J=3.0, sp=48.0))
     assert still.verdict == "inconclusive" and not still.sticks
     assert still.S.value is None and still.S.high is None and still.to_dict()["valve"]["S"]["value"] is None
-    (said,) = remedies(still).words()
+    advice = remedies(still)
+    (said,) = advice.words()
+    assert not advice.tried and advice.until_shutdown is None  # a lambda tuning of K_p 11.7 stood in the table
     assert "does not tell" in said and "PV shows no answer" in said and "move OP by" in said and "nothing" not in said
 
 
