@@ -13,16 +13,12 @@ from stickslip.remedy.size import widened
 from stickslip.remedy.trial import SKIPPED
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from stickslip.remedy.advice import Advice
     from stickslip.remedy.loop_fit import LoopFit
 
 SHOWN = 12.0  # turns of OP in a picture
 MOST = 3.0  # medians, to which an interval is drawn
-LINE = 0.06  # of the axes' height, that a name takes
 
 
 def plot_fit(fit: LoopFit) -> Figure:
@@ -96,29 +92,11 @@ def plot_advice(advice: Advice) -> Figure:
     ax.set_xlabel(f"stem travel [{fit.op_unit} a day]")
     ax.set_ylabel(f"standard deviation of SP - PV{unit}")
     ax.set_ylim(0.0)
-    _named_beside(ax, points)
-    tidy(ax)
-    return figure
-
-
-def _named_beside(ax: Axes, points: Sequence[tuple[float, float, str, str]]) -> None:
-    """Write the names of points (y, x, name, colour) in a column beside the axes, with a line to each."""
-    points = sorted(points)
-    heights = _apart([y / ax.get_ylim()[1] for y, *_ in points])
-    for (y, x, name, colour), height in zip(points, heights, strict=True):
+    heights = np.linspace(0.04, 0.96, len(points))  # names stand in a column beside the axes, or they overlap
+    for (y, x, name, colour), height in zip(sorted(points), heights, strict=True):
         ax.annotate(
             name, (x, y), xytext=(1.03, height), textcoords="axes fraction", fontsize=8, color=colour, va="center",
             arrowprops={"arrowstyle": "-", "lw": 0.5, "color": PALE}, annotation_clip=False,
         )  # fmt: skip
-
-
-def _apart(heights: Sequence[float]) -> list[float]:
-    """Heights that rise, moved to be ``LINE`` apart or more, up to 1.
-
-    >>> [round(height, 2) for height in _apart([0.1, 0.11, 0.5, 0.98, 0.99])]
-    [0.1, 0.16, 0.5, 0.94, 1.0]
-    """
-    found: list[float] = []
-    for height in heights:
-        found.append(max(height, found[-1] + LINE) if found else height)
-    return [min(height, 1.0 - LINE * i) for height, i in zip(found, reversed(range(len(found))), strict=True)]
+    tidy(ax)
+    return figure
