@@ -43,6 +43,8 @@ __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 Floats = NDArray[np.float64]
 MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
+LIKE = 1.25  # times as far as the log that a fitted loop may swing by itself, or the log as far as it
+MOSTLY = 0.5  # of the fitted loops that must
 AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
 UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
@@ -144,8 +146,8 @@ def _run(
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
     """What each setting gives on ``count`` loops, under the load of the record.
 
-    The first setting is the loop as it is: fitted loops that are not stable with it cannot be the logged one, and are
-    left out.  Raises ``FitError`` where none is stable.
+    The first setting is the loop as it is: fitted loops that are not stable with it, or stick and do not swing as the
+    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where most of them are.
     """
     day = fit.days[0]
     n = min(len(fit.lefts[0][0]), MOST)
@@ -155,9 +157,14 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
     found = _run(fit, loops, settings, loads, sp, start)
     stays = np.max(np.abs(found["PV"] - day.pv[0]), axis=2) < AWAY * np.ptp(day.pv)  # (settings, loops)
-    if not stays[0].any():
-        raise FitError("no fitted loop is stable as it is, so that nothing can be tried; log the loop for longer")
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
+    swings = np.std((sp - found["PV"][0])[:, first:], axis=1) / np.std((sp - day.pv[:n])[first:])
+    stays &= not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE)
+    if np.mean(stays[0]) < MOSTLY:
+        raise FitError(
+            f"left as they are, the fitted loops swing {np.median(swings):.2g} times as far as the log, so that no "
+            "remedy can be tried on them; log the loop for longer"
+        )
     made = []
     for i, setting in enumerate(settings):
         pv, op, stem = (
@@ -187,7 +194,8 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     """
     loops, dt = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]], fit.controller.dt
     t, none = np.arange(STEP) * dt, [np.zeros(STEP)] * len(loops)
-    loads = [one.K * (t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt))) for one in loops]
+    ways = [t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt)) for one in loops]
+    loads = [np.asarray(one.K * way) for one, way in zip(loops, ways, strict=True)]
     plain = [_tuning_alone(setting) for setting in settings]
     steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0)["PV"] - 1.0
     pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0)["PV"]

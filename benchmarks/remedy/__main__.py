@@ -112,10 +112,13 @@ def _best_where_known(plant: Plant, advice: Advice) -> list[str]:
             now = beside(fit.days, true, now.noises)
         (path,) = predicted(fit.days, true, now.noises).shown
         lefts = ((fit.days[0].pv[: path.shape[1]] - n.K * path[1],),)
-        none, *given = outcomes(
-            replace(fit, loops=(true,), lefts=lefts), [NOTHING, *(one.outcome.setting for one in tried)]
-        )
-        scores = {one.name: score(own, none) for one, own in zip(tried, given, strict=True)} | {"none": 1.0 + TRAVEL}
+        settings = [NOTHING, *(one.outcome.setting for one in tried)]
+        scores = {"none": 1.0 + TRAVEL}
+        try:
+            none, *given = outcomes(replace(fit, loops=(true,), lefts=lefts), settings)
+            scores |= {one.name: score(own, none) for one, own in zip(tried, given, strict=True)}
+        except FitError:  # it does not swing as the log does
+            pass
         found.append(min(scores, key=lambda name: scores[name]))
     return found
 
