@@ -47,17 +47,19 @@ def row(plant: Plant) -> dict[str, Any]:
     found: dict[str, Any] = {"seed": plant.seed, "law": plant.law, "integrating": plant.integrating}
     try:
         one = fit(plant.record())
-        took = time.process_time()
-        advice = remedies(one)
     except FitError as fault:
         return found | {"refused": str(fault)}
-    found |= {"fit_s": took - began, "remedy_s": time.process_time() - took, "sticks": one.sticks, "gain": one.gain}
-    found["kind"] = one.best.integrating
+    took = time.process_time()
+    found |= {"fit_s": took - began, "sticks": one.sticks, "gain": one.gain, "kind": one.best.integrating}
     if not one.sticks or plant.law == "sound":
         return found
     if one.best.integrating == plant.integrating:
         found |= _sizes(plant, one)
-    return found | _judged(plant, advice)
+    try:
+        advice = remedies(one)
+    except FitError as fault:
+        return found | {"untried": str(fault)}
+    return found | {"remedy_s": time.process_time() - took} | _judged(plant, advice)
 
 
 def _sizes(plant: Plant, one: LoopFit) -> dict[str, Any]:
@@ -134,6 +136,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         f"sticky loops in which stick is seen: {len(seen)} of {len(sticky)}; sound ones accused: "
         f"{sum(r['sticks'] for r in sound)} of {len(sound)}",
         f"kind of process right: {sum(r['kind'] == r['integrating'] for r in seen)} of {len(seen)}",
+        f"no remedy is tried in {sum('untried' in r for r in seen)}",
     ]
     for key in KEYS:
         own = np.array([[math.nan if x is None else x for x in r[key]] for r in seen if key in r])
@@ -172,7 +175,8 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         lines.append(f"recommended: {len(chosen)}; though worse than none: {sum(r['harm'] for r in chosen)}")
     lines.append(
         f"processor time, median: fit {np.median([r['fit_s'] for r in fitted]):.1f} s (most "
-        f"{max(r['fit_s'] for r in fitted):.1f}), remedies {np.median([r['remedy_s'] for r in fitted]):.1f} s"
+        f"{max(r['fit_s'] for r in fitted):.1f}), remedies "
+        f"{np.median([r['remedy_s'] for r in seen if 'sd' in r]):.1f} s"
     )
     return lines
 
