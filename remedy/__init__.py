@@ -16,16 +16,6 @@ from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.python_file import python_of
 
 __all__ = [
-    "Advice",
-    "Change",
-    "Changes",
-    "Cost",
-    "FitError",
-    "LoopFit",
-    "changes",
-    "cost",
-    "fit",
-    "lacks",
-    "python_of",
+    "Advice", "Change", "Changes", "Cost", "FitError", "LoopFit", "changes", "cost", "fit", "lacks", "python_of",
     "remedies",
-]
+]  # fmt: skip

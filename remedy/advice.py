@@ -20,15 +20,16 @@ from numpy.typing import NDArray
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import series
 from stickslip.remedy.leaving import Cost, cost_between
-from stickslip.remedy.loop_fit import LoopFit, Size, size_of, widened
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.setting import Situation
+from stickslip.remedy.size import Size, size_of, widened
 from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Advice", "Tried", "remedies"]
+__all__ = ["Advice", "Tried", "remedies", "score"]
 
 Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
@@ -94,8 +95,12 @@ class Advice(Shown):
 
     def words(self) -> list[str]:
         """The recommendation in sentences."""
+        if self.fit.doubt:
+            return [self.fit.doubt]
         if not self.fit.sticks:
-            return ["No stick is seen in this loop, so there is nothing to make up for."]
+            return [
+                f"The valve shows no stick (S is below {self.fit.S.high:.3g} {self.fit.op_unit}): leave it as it is."
+            ]
         sd = float(np.median(self.none.outcome.pv_sd))
         found = []
         for when, name in (("Until the shutdown", self.until_shutdown), ("At the shutdown", self.at_shutdown)):
@@ -177,7 +182,8 @@ def _situation(fit: LoopFit) -> Situation:
     )  # fmt: skip
 
 
-def _score(one: Outcome, none: Outcome) -> float:
+def score(one: Outcome, none: Outcome) -> float:
+    """The score of an outcome beside that of doing nothing, the median over all loops."""
     swing, travel = none.pv_sd + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
     return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
 
@@ -192,7 +198,8 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     (1.05, True)
     """
     at = _situation(fit)
-    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in REMEDIES]
+    known = () if fit.doubt else REMEDIES  # behind a stem that may stand still no trial says anything
+    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in known]
     plans = [plan for plan in plans if plan[3]]
     settings = [NOTHING, *(setting for plan in plans for setting in plan[3])]
     progress(f"trying {len(settings) - 1} settings of {len(plans)} remedies on the fitted loops")
@@ -200,12 +207,12 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     none, left, chosen = found[0], found[1:], []
     for name, shutdown, not_for, own in plans:
         mine, left = left[: len(own)], left[len(own) :]
-        best = min(mine, key=lambda one: _score(one, none))
+        best = min(mine, key=lambda one: score(one, none))
         chosen.append((name, shutdown, not_for, best))
     times = settling(fit, [NOTHING, *(best.setting for *_, best in chosen)])
     tried = [
         Tried(
-            name, shutdown, not_for, best, _score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
+            name, shutdown, not_for, best, score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
             size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
         for (name, shutdown, not_for, best), (sp, load) in zip(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.remedy.loop_fit import Size
+from stickslip.remedy.size import Size
 
 __all__ = ["COUNTS", "Change", "Changes"]
 

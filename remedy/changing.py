@@ -24,8 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.change import COUNTS, Change, Changes
 from stickslip.remedy.left import free_of_line
-from stickslip.remedy.loop_fit import LoopFit, Size
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.process import Loop
+from stickslip.remedy.size import Size
 from stickslip.remedy.together import PARTS, Pair, Together
 
 __all__ = ["changes", "lacks"]

@@ -69,8 +69,8 @@ def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, floa
     """The limits of OP: where it rests at an extreme for some rows, else its span, else none."""
     low, high = span or (-math.inf, math.inf)
     if span is None or np.ptp(op) > 0.0:
-        low = float(op.min()) if np.sum(op == op.min()) >= AT_LIMIT and _runs(op == op.min()) else low
-        high = float(op.max()) if np.sum(op == op.max()) >= AT_LIMIT and _runs(op == op.max()) else high
+        low = float(op.min()) if _runs(op == op.min()) else low
+        high = float(op.max()) if _runs(op == op.max()) else high
     return low, high
 
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
-from stickslip.remedy.loop_fit import widened
 from stickslip.remedy.process import predicted
+from stickslip.remedy.size import widened
+from stickslip.remedy.trial import SKIPPED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,36 +58,45 @@ def plot_advice(advice: Advice) -> Figure:
     """SP - PV now, until the shutdown and at it under the same load; travel against variability of all remedies."""
     fit, day = advice.fit, advice.fit.days[0]
     n = len(advice.none.outcome.pv)
+    run = slice(int(SKIPPED * n), n)  # the start, which no standard deviation counts, would squeeze the rest
     sp = np.full(n, np.mean(day.pv)) if day.sp is None else day.sp[:n]
     names = [("now", advice.none)]
     names += [(name, advice[name]) for name in dict.fromkeys((advice.until_shutdown, advice.at_shutdown)) if name]
+    unit = f" [{fit.pv_unit}]" if fit.pv_unit else ""
     figure = Picture(figsize=(9.6, 4.6), layout="constrained")
-    grid = figure.add_gridspec(len(names), 2, width_ratios=[1.3, 1.0])
+    grid = figure.add_gridspec(len(names), 2, width_ratios=[1.1, 1.0])
     axes = [figure.add_subplot(grid[i, 0]) for i in range(len(names))]
     for ax in axes[1:]:
         ax.sharex(axes[0])
         ax.sharey(axes[0])
     t = (day.t[:n] - day.t[0]) / 60.0
     for ax, (name, one) in zip(axes, names, strict=True):
-        ax.plot(t, one.outcome.pv - sp, color=INK if name == "now" else COLOURS["PV"], lw=0.9)
+        ax.plot(t[run], (one.outcome.pv - sp)[run], color=INK if name == "now" else COLOURS["PV"], lw=0.9)
         ax.set_title(f"{name}: {np.median(one.outcome.pv_sd):.3g} {fit.pv_unit}", fontsize=9, loc="left")
         tidy(ax)
     axes[-1].set_xlabel("time [min]")
-    axes[len(axes) // 2].set_ylabel(f"PV - SP [{fit.pv_unit}]" if fit.pv_unit else "PV - SP")
+    axes[len(axes) // 2].set_ylabel(f"PV - SP{unit}")
     ax = figure.add_subplot(grid[:, 1])
+    points = []
     for one in (advice.none, *advice.tried):
         travel = 24.0 * float(np.median(one.outcome.travel))
         low, middle, high = np.percentile(widened(one.outcome.pv_sd), [5.0, 50.0, 95.0], method="nearest")
         if math.isinf(middle):
             continue
-        chosen = one.name in ("none", advice.until_shutdown, advice.at_shutdown)
+        chosen = one.name in (advice.until_shutdown, advice.at_shutdown)
         colour = INK if one is advice.none else COLOURS["PV"] if chosen else SOFT
         ax.plot([travel] * 2, [low, min(high, MOST * middle)], color=colour, lw=1.0)
         ax.plot(travel, middle, "o", ms=5.0, color=colour)
-        ax.annotate(one.name, (travel, middle), fontsize=7, xytext=(5, 2), textcoords="offset points", color=colour)
+        points.append((float(middle), travel, one.name, colour))
     ax.set_xscale("symlog", linthresh=max(24.0 * float(np.median(advice.none.outcome.travel)) / 30.0, 1e-9))
     ax.set_xlabel(f"stem travel [{fit.op_unit} a day]")
-    ax.set_ylabel("standard deviation of SP - PV")
-    ax.margins(x=0.25)
+    ax.set_ylabel(f"standard deviation of SP - PV{unit}")
+    ax.set_ylim(0.0)
+    heights = np.linspace(0.04, 0.96, len(points))  # names stand in a column beside the axes, or they overlap
+    for (y, x, name, colour), height in zip(sorted(points), heights, strict=True):
+        ax.annotate(
+            name, (x, y), xytext=(1.03, height), textcoords="axes fraction", fontsize=8, color=colour, va="center",
+            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": PALE}, annotation_clip=False,
+        )  # fmt: skip
     tidy(ax)
     return figure

@@ -98,7 +98,7 @@ def fit(
         sticks = gain >= SURE or (gain >= GAIN and evidence.accuses)
         starts = stuck if sticks else starts
     if starts[0].loop.K == 0.0:
-        raise FitError("PV shows no answer to OP; log a stretch in which the set point or the load moves")
+        raise FitError("PV shows no answer to OP: the stem may stand still; log steps of OP in manual, or of SP")
     progress("drawing loops that are about as likely")
     best, likely = population_of(days, starts, seed)
     if not sticks and gain >= GAIN:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from stickslip.remedy.loop_fit import LoopFit, Size, size_of
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures.repair import FREE
+from stickslip.remedy.size import Size, size_of
 from stickslip.remedy.trial import NOTHING, Outcome, outcomes
 
 __all__ = ["Cost", "cost", "cost_between"]

@@ -9,70 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.detect.judge.actions import confirming_steps
+from stickslip.detect.likelihood.pooled import ANSWERS_NATS, FINEST_SAMPLES, TURNS
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import Controller
 from stickslip.remedy.process import Day, Found, Loop
+from stickslip.remedy.size import Size, size_of, widened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from stickslip.detect.likelihood.pooled import Evidence
+    from stickslip.detect.words import Word
 
-__all__ = ["LoopFit", "Size"]
+__all__ = ["LoopFit"]
 
 Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
 UNSURE = "the interval spans more than a factor of three"
-WIDER = 2.4  # than the population: no stem, load or process is the model's; set on loops that serve nothing else
-
-
-@dataclass(frozen=True)
-class Size:
-    """A value with its 90 % interval; None with a ``reason`` where the record does not tell it."""
-
-    value: float | None
-    low: float | None
-    high: float | None
-    reason: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON, which has no infinite numbers; what is null has a reason."""
-        given = {"value": self.value, "low": self.low, "high": self.high}
-        own: dict[str, Any] = {key: x if x is not None and math.isfinite(x) else None for key, x in given.items()}
-        endless = any(x is not None and math.isinf(x) for x in given.values())
-        why = self.reason or ("the interval has no end" if endless else "no interval is known")
-        return own | ({"reason": why} if self.reason or None in own.values() else {})
-
-    def __str__(self) -> str:
-        if self.value is None:
-            return f"not known: {self.reason}"
-        if self.low is None or self.high is None:
-            return f"{self.value:.3g}"
-        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
-
-
-def widened(values: Floats) -> Floats:
-    """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign; inf stays."""
-    known = np.isfinite(values)
-    if not known.any():
-        return values
-    middle, found = float(np.median(values[known])), values.astype(float)
-    if np.all(values[known] * middle > 0.0):
-        found[known] = middle * (values[known] / middle) ** WIDER
-    else:
-        found[known] = middle + WIDER * (values[known] - middle)
-    return found
-
-
-def size_of(values: Floats, reason: str = "", endless: str = "") -> Size:
-    """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone.
-
-    ``endless`` : the reason where half of the values or more are infinite
-    """
-    values = widened(values)
-    way: Any = "linear" if np.isfinite(values).all() else "nearest"
-    low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
-    reason = reason or (endless if math.isinf(middle) else "")
-    return Size(None if reason else middle, low, high, reason)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -122,6 +75,33 @@ class LoopFit(Shown):
         return max(-float(self.evidence.curve[sizes >= min(S, float(sizes[-1]))].max()), 0.0)
 
     @property
+    def verdict(self) -> Word:
+        """What the record says of the valve: a loop that does as well without stick does not clear it yet."""
+        cleared = self.evidence is not None and self.evidence.clears
+        return "stiction" if self.sticks else "no_stiction" if cleared else "inconclusive"
+
+    @cached_property
+    def doubt(self) -> str:
+        """Why the record does not tell whether the valve sticks, and what would; "" where it does."""
+        if self.verdict != "inconclusive":
+            return ""
+        seen = self.evidence
+        low, high = np.percentile(np.concatenate([day.op for day in self.days]), [2.0, 98.0])
+        if seen is None or seen.answers < ANSWERS_NATS:
+            why = "PV shows no answer to that: the stem stands still, or the load hides it"
+        elif seen.turned < TURNS:
+            why = f"OP turns back {seen.turned} times; {TURNS} are needed"
+        elif seen.coarse:
+            why = f"there are {seen.between:.0f} samples between two turns; {FINEST_SAMPLES:.0f} are needed"
+        else:
+            why = "PV answers, but a stick is not excluded"
+        travel = f"{high - low:.3g} {self.op_unit.removesuffix(' of OP')}"
+        return (
+            f"The record does not tell whether the valve sticks. OP travels {travel}, and {why}. "
+            f"To settle it: {confirming_steps('stiction', float(high - low), self.op_unit)}."
+        )
+
+    @property
     def best(self) -> Loop:
         """The likeliest loop."""
         return self.loops[0]
@@ -144,8 +124,9 @@ class LoopFit(Shown):
         if self.sticks:
             S = self.each("S")
             return size_of(S, UNSURE if _ratio(S) > WIDE else "")
-        high = self.evidence.claim if self.evidence and math.isfinite(self.evidence.claim) else None
-        return Size(0.0, 0.0, high, "" if high else "no stick is seen, and the record does not exclude one")
+        if self.evidence is None or self.doubt:
+            return Size(None, None, None, "no stick is seen, and the record does not exclude one")
+        return Size(0.0, 0.0, self.evidence.claim)
 
     @cached_property
     def J(self) -> Size:
@@ -257,8 +238,8 @@ class LoopFit(Shown):
     @property
     def headline(self) -> str:
         """What was fitted, in one line."""
-        shows = f"shows no stick, S = {self.S} {self.op_unit}" if self.S.high else "does not stick"  # it may be blind
-        valve = (f"sticks, S = {self.S} {self.op_unit}" if self.S.value else "sticks") if self.sticks else shows
+        said = "sticks" if self.sticks else "may stick" if self.doubt else "shows no stick"
+        valve = said if self.S.value is None else f"{said}, S = {self.S} {self.op_unit}"
         kind = "an integrating process" if self.best.integrating else "a process that settles"
         return f"{self.name or 'loop'}: the valve {valve}; {self.controller.form} controller, {kind}"
 

@@ -3,6 +3,7 @@
 1  without stick: lag and dead time on a grid, self-regulating and integrating, the best made better
 2  with stick: ``DRAWN`` loops of both laws and kinds about the size that ``stickslip.detect.likelihood`` finds; in
    ``STAGES``, the best are made better by the simplex of Nelder and Mead, gain and noise following each try
+3  the other kind of process, with the valve that is found
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
 DRAWN, TURNS = 100, 7  # loops that stick, to start from, and turns of bands and path for each
 WIDE, NARROWER = 0.3, 0.75  # r at first, and over that of the turn before
 STAGES = ((10, 24), (4, 40), (2, 80))  # how many are made better, by how many tries; the last in all rows, bands too
+CROSSED = 160  # tries of the other kind of process
 LAGS = (0.04, 0.1, 0.25, 0.6, 1.5, 4.0)  # of the time between two turns of OP
 DELAYS = (0.0, 0.05, 0.15, 0.3)
 RIVALS = 6  # loops that are kept beside the best
@@ -100,7 +102,20 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
             days, tried = fine, [_weighed(fine, one.loop, start_noise(fine, one.loop.integrating)) for one in tried]
         tried = _apart(tried)
         tried = [*(_better(days, one, evaluations, whole) for one in tried[:kept]), *tried[kept:RIVALS]]
+    if len(starts) > 1:
+        tried.append(_of_the_other_kind(days, min(tried, key=lambda one: one.nll)))
     return sorted(tried, key=lambda one: one.nll)
+
+
+def _of_the_other_kind(days: Sequence[Day], best: Found) -> Found:
+    """The likeliest loop whose process is of the other kind, from the valve and the fast answer of the best one.
+
+    Where the search has found the valve with one kind alone, the other one has lost by its valve, not by its kind.
+    """
+    one, kind = best.loop, not best.loop.integrating
+    slow = max(one.tau, days[0].dt) if kind else half_wave(days)
+    other = replace(one, integrating=kind, tau=slow, K=one.K / slow if kind else one.K * slow)
+    return _better(days, _weighed(days, other, start_noise(days, kind)), CROSSED)
 
 
 def _followed(

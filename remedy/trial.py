@@ -33,15 +33,18 @@ from stickslip.blocks.block import Block
 from stickslip.diagram import Diagram, ensemble, wire
 from stickslip.remedy.controller import series
 from stickslip.remedy.fitting import FitError
-from stickslip.remedy.loop_fit import LoopFit, size_of
+from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures.setting import Setting
 from stickslip.remedy.process import Loop
+from stickslip.remedy.size import size_of
 
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
 Floats = NDArray[np.float64]
 MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
+LIKE = 1.25  # times as far as the log that a fitted loop may swing by itself, or the log as far as it
+MOSTLY = 0.5  # of the fitted loops that must
 AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
 UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
@@ -66,28 +69,27 @@ class Outcome:
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
-        names = {
-            "pv_sd": self.pv_sd,
-            "op_sd": self.op_sd,
-            "travel_per_h": self.travel,
-            "reversals_per_h": self.reversals,
-        }
-        return {name: size_of(values, endless=UNSTABLE).to_dict() for name, values in names.items()}
+        names = ("pv_sd", "op_sd", "travel_per_h", "reversals_per_h")
+        values = (self.pv_sd, self.op_sd, self.travel, self.reversals)
+        return {name: size_of(own, endless=UNSTABLE).to_dict() for name, own in zip(names, values, strict=True)}
 
 
 def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
     """The loop with every remedy in its place, none of them on; with the law of ``one``, or of the likeliest."""
-    law, one = fit.controller, one or fit.best
-    dt = law.dt
-    K_p, T_i, T_d = series(fit.controller)
+    return wire(_blocks(fit, one or fit.best), inputs=["SP", "v"], outputs=["PV", "OP", "MV"])
+
+
+def _blocks(fit: LoopFit, one: Loop) -> list[Block]:
+    law, dt, u0 = fit.controller, fit.controller.dt, float(fit.days[0].op[0])
+    K_p, T_i, T_d = series(law)
     lead: list[Block] = []
     if T_d > 0.0 or law.T_f > 0.0:
         a = math.exp(-dt / law.T_f) if law.T_f > 0.0 else 0.0
         b = [(1.0 - a) * (1.0 + T_d / dt), -(1.0 - a) * T_d / dt, 0.0]
         lead = [Biquad("PV_f", "PV", b=b, a=[-a, 0.0], dt=dt, name="filter")]
     controller = GapPI(
-        K_p, T_i, dt=dt, **WIDE, action="reverse" if law.K_p > 0.0 else "direct", name="controller",
-        inputs={"SP": "SP", "PV": "PV_f" if lead else "PV"}, outputs={"OP": "OP_c"},
+        K_p, T_i, dt=dt, low=law.low - u0, high=law.high - u0, action="reverse" if law.K_p > 0.0 else "direct",
+        name="controller", inputs={"SP": "SP", "PV": "PV_f" if lead else "PV"}, outputs={"OP": "OP_c"},
     )  # fmt: skip
     between = [
         Knocker(0.0, 5.0 * dt, 2.0 * dt, dt, inputs="OP_c", outputs="OP_k"),
@@ -95,78 +97,57 @@ def diagram_of(fit: LoopFit, one: Loop | None = None) -> Diagram:
         TwoMove(1.0, 0.0, math.inf, dt, dt, inputs={"OP_c": "OP_r", "SP": "SP", "PV": "PV"}),
     ]
     valve = ChenValve(one.S, one.J, dt, **WIDE) if one.follows else HeValve.from_bands(one.S, one.J, dt, **WIDE)
-    late = _late(one, dt)
+    late = 0.25 * dt * round(4.0 * one.theta / dt)  # in quarters of a scan: no step of a run is longer than it
     lag = FirstOrder(1.0, max(one.tau_2, 0.01 * dt), name="lag", inputs="MV", outputs="MV_2")
     flow: dict[str, Any] = {"inputs": "MV_2", "outputs": "y", "name": "process"}
     process = Integrator(one.K, 1.0, late, **flow) if one.integrating else FirstOrder(one.K, one.tau, late, **flow)
-    blocks: list[Block] = [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
-    return wire(blocks, inputs=["SP", "v"], outputs=["PV", "OP", "MV"])
+    return [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
 
 
-def _late(one: Loop, dt: float) -> float:
-    """The dead time [s] in quarters of a scan: a run takes no step longer than a dead time."""
-    return 0.25 * dt * round(4.0 * one.theta / dt)
+def _parameters(fit: LoopFit, one: Loop, stick: float = 1.0) -> dict[str, float]:
+    """All parameters of the loop with so much of its stick and no remedy."""
+    blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
+    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
 
 
-def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
-    """The parameters of one loop under one setting."""
-    K_p, T_i, _ = series(fit.controller)
-    law, u0 = fit.controller, float(fit.days[0].op[0])
-    S, J = (one.S * setting.factors.get("valve.S", 1.0), one.J * setting.factors.get("valve.J", 1.0))
-    found = {
-        "controller.K_p": K_p * setting.factors.get("controller.K_p", 1.0),
-        "controller.T_i": T_i * setting.factors.get("controller.T_i", 1.0),
-        "controller.low": law.low - u0, "controller.high": law.high - u0, "controller.gap": 0.0, "controller.zone": 0.0,
-        "knocker.a": 0.0, "knocker.period": 5.0 * law.dt, "knocker.width": 2.0 * law.dt,
-        "reinforcement.a": 0.0, "reinforcement.hold": 0.0,
-        "two_move.S": 1.0, "two_move.J": 0.0, "two_move.band": 1e300, "two_move.pause": law.dt,
-        "lag.tau": max(one.tau_2, 0.01 * law.dt), "process.K": one.K, "process.theta": _late(one, law.dt),
-    }  # fmt: skip
-    bands = {"valve.S": S, "valve.J": J} if one.follows else {"valve.f_s": 0.5 * (S + J), "valve.f_d": 0.5 * (S - J)}
-    lags = {} if one.integrating else {"process.tau": one.tau}
-    return {**found, **bands, **lags, **setting.params}
+def _set(own: Mapping[str, float], setting: Setting) -> dict[str, float]:
+    return {key: value * setting.factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
 
 
 def _run(
     fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
 ) -> dict[str, Floats]:
     """Signals (settings, loops, n) of each setting on each loop, which has its load."""
-    shape = (len(settings), len(loops), len(sp))
-    found: dict[str, Floats] = {}
+    n, dt = len(sp), fit.controller.dt
+    t = np.arange(n) * dt
+    found = {name: np.empty((len(settings), len(loops), n)) for name in ("PV", "OP", "MV")}
     for follows in {one.follows for one in loops}:
         at = [i for i, one in enumerate(loops) if one.follows == follows]
-        own = _of_one_law(fit, [loops[i] for i in at], settings, [loads[i] for i in at], sp, z)
-        for name, values in own.items():
-            found.setdefault(name, np.empty(shape))[:, at] = values.reshape(len(settings), len(at), len(sp))
+        sticks = [setting.factors.get("stick", 1.0) for setting in settings]
+        own = {(i, stick): _parameters(fit, loops[i], stick) for i in at for stick in {1.0, *sticks}}
+        plain = own[at[0], 1.0]
+        columns = [_set(own[i, stick], setting) for setting, stick in zip(settings, sticks, strict=True) for i in at]
+        differ = {key: np.array([each[key] for each in columns]) for key in plain}
+        begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
+        begin["controller.z"] = np.full(len(columns), z)
+        values = ensemble(
+            diagram_of(fit, loops[at[0]]), float(t[-1]), start=begin, times=t, signals=list(found), rtol=1e-5,
+            params={key: each for key, each in differ.items() if np.any(each != plain[key])}, atol=1e-8, workers=1,
+            inputs={
+                "SP": Recorded("SP", t, sp, hold="previous"),
+                "v": [Recorded("v", t, loads[i], hold="previous") for _ in settings for i in at],
+            }, progress=False,
+        ).values  # fmt: skip
+        for name, signals in found.items():
+            signals[:, at] = values[name].reshape(len(settings), len(at), n)
     return found
-
-
-def _of_one_law(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
-) -> Mapping[str, Floats]:
-    """Signals (settings * loops, n) of loops whose stems have one law."""
-    dt, n = fit.controller.dt, len(sp)
-    diagram, t = diagram_of(fit, loops[0]), np.arange(n) * dt
-    columns, inputs = [], []
-    for setting in settings:
-        for one, load in zip(loops, loads, strict=True):
-            columns.append({**_parameters(fit, one, setting), "process.theta_start": 0.0})
-            inputs.append(Recorded("v", t, load, hold="previous"))
-    params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
-    begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
-    begin["controller.z"] = np.full(len(columns), z)
-    return ensemble(
-        diagram, float(t[-1]), params=params, start=begin, times=t, signals=["PV", "OP", "MV"],
-        inputs={"SP": Recorded("SP", t, sp, hold="previous"), "v": inputs}, rtol=1e-5, atol=1e-8, workers=1,
-        progress=False,
-    ).values  # fmt: skip
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
     """What each setting gives on ``count`` loops, under the load of the record.
 
-    The first setting is the loop as it is: fitted loops that are not stable with it cannot be the logged one, and are
-    left out.  Raises ``FitError`` where none is stable.
+    The first setting is the loop as it is: fitted loops that are not stable with it, or stick and do not swing as the
+    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where most of them are.
     """
     day = fit.days[0]
     n = min(len(fit.lefts[0][0]), MOST)
@@ -176,9 +157,14 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
     found = _run(fit, loops, settings, loads, sp, start)
     stays = np.max(np.abs(found["PV"] - day.pv[0]), axis=2) < AWAY * np.ptp(day.pv)  # (settings, loops)
-    if not stays[0].any():
-        raise FitError("no fitted loop is stable as it is, so that nothing can be tried; log the loop for longer")
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
+    swings = np.std((sp - found["PV"][0])[:, first:], axis=1) / np.std((sp - day.pv[:n])[first:])
+    stays &= not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE)
+    if np.mean(stays[0]) < MOSTLY:
+        raise FitError(
+            f"left as they are, the fitted loops swing {np.median(swings):.2g} times as far as the log, so that no "
+            "remedy can be tried on them; log the loop for longer"
+        )
     made = []
     for i, setting in enumerate(settings):
         pv, op, stem = (
@@ -206,23 +192,20 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     They are those of the tuning alone: neither stick nor noise nor the record's load.  inf where it does not within the
     run.
     """
-    loops = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]]
-    n = STEP
-    dt, found = fit.controller.dt, []
-    t = np.arange(n) * dt
-    loads: list[Floats] = []
-    for one in loops:
-        slow = max(one.tau, dt)
-        loads.append(np.asarray(one.K * t if one.integrating else one.K * (1.0 - np.exp(-t / slow))))
-    none: list[Floats] = [np.zeros(n)] * len(loops)
+    loops, dt = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]], fit.controller.dt
+    t, none = np.arange(STEP) * dt, [np.zeros(STEP)] * len(loops)
+    ways = [t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt)) for one in loops]
+    loads = [np.asarray(one.K * way) for one, way in zip(loops, ways, strict=True)]
     plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, loops, plain, none, np.ones(n), 0.0)["PV"]
-    pushed = _run(fit, loops, plain, loads, np.zeros(n), 0.0)["PV"]
-    for i in range(len(settings)):
-        sp = np.array([_settled(own - 1.0, 0.05, dt) for own in steps[i]])
-        load = np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in pushed[i]])
-        found.append((sp, load))
-    return found
+    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0)["PV"] - 1.0
+    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0)["PV"]
+    return [
+        (
+            np.array([_settled(own, 0.05, dt) for own in after_step]),
+            np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in after_load]),
+        )
+        for after_step, after_load in zip(steps, pushed, strict=True)
+    ]
 
 
 def _tuning_alone(setting: Setting) -> Setting:

@@ -165,7 +165,7 @@ class Plant:
         """PV, OP and stem (3, samples) with a setting of the advice."""
         p, factors, own = setting.params, setting.factors, self.settings
         dt = self.dt
-        left = factors.get("valve.S", 1.0)
+        left = factors.get("stick", 1.0)
         settings = own._replace(
             K_p=math.copysign(p.get("controller.K_p", abs(own.K_p) * factors.get("controller.K_p", 1.0)), own.K_p),
             T_i=p.get("controller.T_i", own.T_i * factors.get("controller.T_i", 1.0)),

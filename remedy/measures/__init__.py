@@ -17,7 +17,7 @@ from stickslip.remedy.measures import (
     repair,
     slower_integral,
     two_moves,
-)
+)  # fmt: skip
 
 REMEDIES = (
     knocker, reinforcement, two_moves, integral_zone, error_gap, half_gain, slower_integral, detuned, positioner, repair

@@ -17,4 +17,4 @@ def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
     if at.S <= 0.0:
         return []
-    return [Setting("dead travel a fifth of today's", {"S": 0.2 * at.S}, factors={"valve.S": 0.2, "valve.J": 0.2})]
+    return [Setting("dead travel a fifth of today's", {"S": 0.2 * at.S}, factors={"stick": 0.2})]

@@ -10,7 +10,7 @@ from stickslip.remedy.measures.setting import Setting, Situation
 TITLE = "valve repaired"
 AT_SHUTDOWN = True
 NOT_FOR = ""
-FREE = Setting("no stick is left", {"S": 0.0, "J": 0.0}, factors={"valve.S": 0.0, "valve.J": 0.0})
+FREE = Setting("no stick is left", {"S": 0.0, "J": 0.0}, factors={"stick": 0.0})
 
 
 def settings(at: Situation) -> list[Setting]:

@@ -37,6 +37,7 @@ class Situation:
 class Setting:
     """One way to set a remedy: ``params`` block.parameter -> value, ``factors`` by which a loop's own is multiplied.
 
+    The factor ``stick`` is that of S and J.
     ``values`` are the settings by name and ``words`` the same as a person enters them.
     """
 

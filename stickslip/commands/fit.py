@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.commands.reading import form_options
 from stickslip.commands.targets import check_targets, write_whole
 
@@ -106,9 +106,11 @@ def working(what: str) -> None:
 
 def tell(say: Speaker, found: "LoopFit") -> None:
     """Print a fit."""
-    word = "THE VALVE STICKS" if found.sticks else "NO STICK IS SEEN"
-    say(f"{found.name or 'loop'}: {word}", fg="red" if found.sticks else "green", bold=True)
-    for sentence in sentences(found):
+    from stickslip.detect.words import WORDS
+
+    word = WORDS[found.verdict]
+    say(f"{found.name or 'loop'}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)
+    for sentence in filter(None, (found.doubt, *sentences(found))):
         say.paragraph(sentence)
     say.table(["what", "value (90 % interval)", "unit"], found.rows())
 
@@ -130,9 +132,12 @@ def sentences(found: "LoopFit") -> list[str]:
 def fit_section(found: "LoopFit") -> "Section":
     """Return the article on a fit."""
     from stickslip.commands.report.page import Section, captioned, figure_to_svg, table_to_html
+    from stickslip.detect.words import WORDS
 
-    badge = ("THE VALVE STICKS", "bad") if found.sticks else ("NO STICK IS SEEN", "good")
-    section = Section("The fitted loop", *badge, " ".join(sentences(found)))
+    word = WORDS[found.verdict]
+    section = Section(
+        "The fitted loop", word.spoken.upper(), word.kind, " ".join(filter(None, (found.doubt, *sentences(found))))
+    )
     section.figures.append(table_to_html(["what", "value (90 % interval)", "unit"], found.rows()))
     section.figures.append(captioned(figure_to_svg(found.plot()), "The end of the log and the likeliest loop."))
     return section

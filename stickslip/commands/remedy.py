@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.commands.fit import fit_section, fitted, loop_options, sentences, working
 from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
+    from stickslip.detect.words import Kind
     from stickslip.remedy import Advice
 
 SCHEMA = "stickslip.remedy/1"
@@ -69,32 +70,36 @@ def command(
 def tell(say: Speaker, advice: "Advice") -> None:
     """Print the recommendation, the fit it rests on, and the table of all remedies."""
     found = advice.fit
-    kind = "yellow" if found.sticks and advice.until_shutdown is None else "red" if found.sticks else "green"
-    say(f"{found.name or 'loop'}: {headline(advice)}", fg=kind, bold=True)
+    words, kind = headline(advice)
+    say(f"{found.name or 'loop'}: {words}", fg=COLOUR_OF[kind], bold=True)
     for sentence in (*advice.words(), *sentences(found)):
         say.paragraph(sentence)
     if found.sticks:
         say.paragraph(advice.cost.words(found.op_unit))
     if advice.until_shutdown or advice.at_shutdown:
         say.paragraph(TRIAL)
-    say.table(advice.columns(), advice.rows())
-    say("Settings tried, the best of each:")
+    if advice.tried:
+        say.table(advice.columns(), advice.rows())
+        say("Settings tried, the best of each:")
     for one in advice.tried:
         say.paragraph(f"{one.name}: {one.settings}", "  - ")
 
 
-def headline(advice: "Advice") -> str:
-    """Return the answer in a few words."""
+def headline(advice: "Advice") -> tuple[str, "Kind"]:
+    """Return the answer in a few words, and its kind."""
+    from stickslip.detect.words import WORDS
+
+    word, name = WORDS[advice.fit.verdict], advice.until_shutdown
     if not advice.fit.sticks:
-        return "NO STICK IS SEEN"
-    return (advice.until_shutdown or "nothing helps for sure until the shutdown").upper()
+        return word.spoken.upper(), word.kind
+    return (name or "nothing helps for sure until the shutdown").upper(), "bad" if name else "open"
 
 
 def _page(advice: "Advice") -> str:
     from stickslip.commands.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
-    kind = "bad" if advice.fit.sticks else "good"
-    first = Section("What to do", headline(advice), kind, " ".join(advice.words()))
-    first.figures.append(captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %."))
-    first.figures.append(table_to_html(advice.columns(), advice.rows()))
+    first = Section("What to do", *headline(advice), " ".join(advice.words()))
+    if advice.tried:
+        picture = captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %.")
+        first.figures += [picture, table_to_html(advice.columns(), advice.rows())]
     return page(f"{advice.fit.name or 'loop'}: what to do", "", [first, fit_section(advice.fit)])
