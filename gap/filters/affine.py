@@ -16,7 +16,8 @@ from stickslip.blocks.role import Role
 
 Floats = NDArray[np.float64]
 STEP = 1e-3  # of a state or an input
-STRAIGHT = 1e-6  # by how much, in its own size, a block may bend over the step
+STRAIGHT = 1e-6  # by how much of what the step changes a block may bend
+ROUNDED = 1e-13  # of the sizes that are summed: more cannot be told from rounding
 RANDOM = frozenset(seeded(0))
 
 
@@ -77,21 +78,21 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
     base = f(z)
     if not np.isfinite(base).all():
         raise NotAffine(f"'{block.name}' gives no number at the point of linearisation")
-    slope = np.empty((len(base), len(z)))
+    slope, bend = np.empty((len(base), len(z))), np.empty((len(base), len(z)))
     for j in range(len(z)):
         up, down = z.copy(), z.copy()
         up[j] += STEP
         down[j] -= STEP
         rise, fall = f(up) - base, base - f(down)
-        if np.abs(rise - fall).max() > STRAIGHT * max(STEP, float(np.abs(rise).max())):
-            raise NotAffine(f"'{block.name}' is not linear at the point of linearisation")
-        slope[:, j] = (rise + fall) / (2.0 * STEP)
+        slope[:, j], bend[:, j] = (rise + fall) / (2.0 * STEP), np.abs(rise - fall)
+    noise = ROUNDED * (np.abs(base) + np.abs(slope) @ (np.abs(z) + STEP))
+    if np.any(bend > STRAIGHT * STEP * np.abs(slope) + noise[:, None]):
+        raise NotAffine(f"'{block.name}' is not linear at the point of linearisation")
     for way in (1.0, -1.0):  # what is linear in each of two quantities alone may hold their product
         for j in range(1, len(z)):
             aside = np.where(np.arange(len(z)) <= j, STEP, 0.0)
             aside[j] *= way
-            bend = np.abs(f(z + aside) - base - slope @ aside)
-            if bend.max() > STRAIGHT * max(STEP, float(np.abs(slope @ aside).max())):
+            if np.any(np.abs(f(z + aside) - base - slope @ aside) > STRAIGHT * np.abs(slope) @ np.abs(aside) + noise):
                 raise NotAffine(f"'{block.name}' multiplies what enters it or its states")
     in_time = f(z, 1.0) - base if block.kernels.timed else np.zeros(len(base))
     table = np.column_stack([slope, in_time, base - slope @ z])

@@ -1,6 +1,7 @@
 """When an input switched: the log says between which two rows, a filter says at which scan.
 
-One filter a scan tries the same scan for all switches; each switch takes the scan that is likeliest in the rows behind.
+One filter a scan tries the same scan for all switches of an input; each switch takes the scan that is likeliest in the
+rows behind.
 """
 
 import math
@@ -12,7 +13,7 @@ from stickslip.gap.filters.filtering import Filtered
 from stickslip.gap.records.record import switch_rows, switches
 
 BEHIND = 5  # rows in which a switch shows
-MOST = 12  # scans within an interval that are tried
+MOST = 30  # scans within an interval that are tried; of more, as many spread evenly
 
 
 def with_switches(now: Filtered) -> Filtered:
@@ -23,19 +24,20 @@ def with_switches(now: Filtered) -> Filtered:
     if f.every < 2 or not switching:
         return now
     leads = f.leads.copy()
-    options = range(min(f.every, MOST))
-    loss = []
-    for lead in options:
-        trial = leads.copy()
-        trial[switching] = lead
-        found = _moved(now, trial)
-        if not math.isfinite(found.nll):
-            return now
-        loss.append(found.losses)
-    cost = np.array(loss)
-    for j in switching:
-        for row in switch_rows(log, f.record.played[j]):
-            leads[j, row] = int(np.argmin(cost[:, row : row + BEHIND].sum(axis=1)))
+    options = np.unique(np.linspace(0, f.every - 1, min(f.every, MOST)).round().astype(int))
+    for j in switching:  # one after the other: two may switch within the same rows
+        rows = switch_rows(log, f.record.played[j])
+        loss = []
+        for lead in options:
+            trial = leads.copy()
+            trial[j] = lead
+            found = _moved(now, trial)
+            if not math.isfinite(found.nll):
+                return now
+            loss.append(found.losses)
+        cost = np.array(loss)
+        for row in rows:
+            leads[j, row] = options[np.argmin(cost[:, row : row + BEHIND].sum(axis=1))]
     if np.array_equal(leads, f.leads):
         return now
     new = _moved(now, leads)

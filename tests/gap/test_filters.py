@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import Equations
 from stickslip.cases.models import level_cascade, second_order_flow, site_flow
 from stickslip.diagram import ensemble, simulate
 from stickslip.diagram.inputs import close
@@ -127,6 +128,17 @@ def test_a_block_that_bends_has_no_matrices():
     law = curved["valve:valve_characteristic/law"]
     with pytest.raises(NotAffine, match="not linear"):
         affine(law, np.array([0.5]))
+
+
+def test_a_slow_block_that_multiplies_is_not_affine():
+    # a zone of a dryer, in 1/s: the product is 2.5e-10 over the step, where 1e-9 passed for rounding
+    def zone(der):
+        return Equations("zone", der=der, states={"X": 10.0}, inputs="T", outputs="X")
+
+    with pytest.raises(NotAffine, match="multiplies"):
+        affine(zone(lambda X, T: (40.0 - X - 0.02 * (T - 40.0) * X) / 80.0), np.array([86.0]))
+    moved = affine(zone(lambda X, T: (40.0 - 1.92 * X + 1e-3 * T) / 80.0), np.array([86.0])).moved
+    np.testing.assert_allclose(moved, [[-0.024, 1.25e-5, 0.0, 0.5]], rtol=1e-6, atol=1e-12)
 
 
 def test_the_likelihood_is_that_of_the_whole_covariance():
