@@ -48,9 +48,9 @@ def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | N
     left = replace(_without(f, signal), loose=True)
     best = replace(settled(left).best, explanation=Explanation(left, effect, place))
     size = deviation(f, best.values, effect, place, signal, seed)
-    return (
-        None if size is None else Found(replace(best, values={**best.values, "deviation": size}), (), np.zeros((0, 0)))
-    )
+    if size is None:
+        return None
+    return Found(replace(best, values={**best.values, "deviation": size}), (), np.zeros((0, 0)))
 
 
 def _without(f: Filtering, signal: str) -> Filtering:

@@ -26,7 +26,6 @@ def with_switches(now: Filtered) -> Filtered:
     leads = f.leads.copy()
     options = np.unique(np.linspace(0, f.every - 1, min(f.every, MOST)).round().astype(int))
     for j in switching:  # one after the other: two may switch within the same rows
-        rows = switch_rows(log, f.record.played[j])
         loss = []
         for lead in options:
             trial = leads.copy()
@@ -36,7 +35,7 @@ def with_switches(now: Filtered) -> Filtered:
                 return now
             loss.append(found.losses)
         cost = np.array(loss)
-        for row in rows:
+        for row in switch_rows(log, f.record.played[j]):
             leads[j, row] = options[np.argmin(cost[:, row : row + BEHIND].sum(axis=1))]
     if np.array_equal(leads, f.leads):
         return now

@@ -45,10 +45,14 @@ def measured_by(held: Held, place: str) -> tuple[str, Floats]:
     return signal, held.Y[:, held.signals.index(signal)] if signal else np.zeros(0)
 
 
+def unstated(held: Held, place: str, step: float) -> float:
+    """Return a step that the levels of a sensor show; 0 where the model's sensor has such a step already."""
+    return step if float(held.quiet[place].params.get("step", 0.0)) <= NEITHER_COARSER * step else 0.0
+
+
 def coarse(held: Held, place: str) -> float:
     """Return the step of a sensor whose log is finer than its levels; 0 for none, or where the model has that step."""
-    step = levels(measured_by(held, place)[1])
-    return step if float(held.quiet[place].params.get("step", 0.0)) <= NEITHER_COARSER * step else 0.0
+    return unstated(held, place, levels(measured_by(held, place)[1]))
 
 
 def straightened(held: Held, seed: int) -> str:

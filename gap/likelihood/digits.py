@@ -7,7 +7,7 @@ import numpy as np
 from stickslip.gap.effects.compression import Compression
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.sensor_noise import SensorNoise
-from stickslip.gap.fits.digits import FEW, NEITHER_COARSER, coarse, deviation, measured_by, straightened
+from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -40,9 +40,8 @@ def _coarse(null: Fit, effect: Effect, place: str) -> Fit | None:
     if step:
         return _as(null, Hypothesis(f, effect, place), {"step": step})
     signal, values = measured_by(f, place)
-    step = rounding(values)
-    stated = float(f.quiet[place].params.get("step", 0.0))
-    if not step or len(np.unique(values)) > FEW * len(values) or stated > NEITHER_COARSER * step:
+    step = unstated(f, place, rounding(values))
+    if not step or len(np.unique(values)) > FEW * len(values):
         return None
     f = replace(f, record=replace(f.record, computed={**f.record.computed, signal: SEEN_FINER * step}))
     noisier = Hypothesis(f, SensorNoise(), place)
