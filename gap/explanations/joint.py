@@ -27,10 +27,10 @@ def apart(problem: Problem, fit: Fit) -> Pair:
         raise TypeError(f"{both!r} is one effect, not two")
     (_, one, first_place), (_, two, second_place) = both.parts
     values = values_of(fit, "1."), values_of(fit, "2.")
-    bases = (
-        begun(problem, problem.quiet, two, second_place, values[1]),
-        begun(problem, problem.quiet, one, first_place, values[0]),
-    )
+    bases = [
+        begun(problem, problem.quiet, effect, place, {p.name: own[p.name] for p in effect.parameters})
+        for effect, place, own in ((two, second_place, values[1]), (one, first_place, values[0]))
+    ]
     made = [
         Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e, charge=fit.charge)
         for base, effect, place, own in zip(bases, (one, two), (first_place, second_place), values, strict=True)

@@ -74,7 +74,7 @@ class Candidate:
 
     def tried(self, many: Sequence[Mapping[str, float]]) -> "list[Fit]":
         """Return a fit for each set of values that the effect can have; what is not given is nominal."""
-        full = [{**self.nominal, **values} for values in many]
+        full = [{name: values.get(name, size) for name, size in self.nominal.items()} for values in many]
         if self.effect and not self.noisy:
             effect, place = self.effect, self.place
             own = [{name: v[name] for name in self.own} for v in full]  # with all at infinity there is no effect

@@ -61,8 +61,8 @@ def together(first: Candidate, second: Candidate) -> Candidate | None:
 
 
 def values_of(fit: Fit, mark: str) -> dict[str, float]:
-    """Return the values of one of the two effects of a fit, ``mark`` "1." or "2."."""
-    return _of(fit.values, mark)
+    """Return the values of one of the two effects of a fit, ``mark`` "1." or "2.", and of what is free with both."""
+    return _of(fit.values, mark) | {key: fit.values[key] for key in fit.candidate.problem.free}
 
 
 def marked(values: Mapping[str, float], mark: str) -> dict[str, float]:

@@ -5,8 +5,9 @@ from stickslip.cases.models import ideal_flow
 from stickslip.gap.diagnosis import prepared
 from stickslip.gap.effects import effect
 from stickslip.gap.explanations.candidates import candidates
-from stickslip.gap.explanations.joint import apart
+from stickslip.gap.explanations.joint import apart, improved
 from stickslip.gap.explanations.one_of_pair import enough_alone
+from stickslip.gap.explanations.pair import Pair
 from stickslip.gap.fits.search import best_of
 from stickslip.gap.fits.together import marked, together
 
@@ -36,3 +37,14 @@ def test_an_effect_that_is_not_there_is_left_out(with_effects):
 def test_an_effect_that_is_there_stays(with_effects):
     problem, singles, pair = made(with_effects(5, STEM, ("controller_gain", "controller", {"factor": 1.2})), 1.2)
     assert enough_alone(problem, pair, singles) is None
+
+
+def test_a_pair_of_a_model_with_tolerances_is_taken_apart(with_effects):
+    model = ideal_flow().with_tolerances({"process.K": 0.05})
+    problem = prepared(model, with_effects(5, STEM))
+    legal = candidates(problem, problem.quiet, [effect("sensor_lag"), effect("controller_gain")])
+    lag, gain = (next(one for one in legal if one.effect.name == name) for name in ("sensor_lag", "controller_gain"))
+    single = best_of(lag.tried([{"tau": 1.0, "process.K": 3.05}])), best_of(gain.tried([{"factor": 1.1}]))
+    pair = improved(problem, Pair(*single))
+    assert pair.first.values["process.K"] == pair.second.values["process.K"]
+    assert set(pair.second.values) == {"factor", "process.K"}
