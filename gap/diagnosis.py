@@ -30,7 +30,10 @@ from stickslip.gap.explanations.one_of_pair import enough_alone
 from stickslip.gap.explanations.other_law import stem_of_other_law
 from stickslip.gap.explanations.pairs import beside_stem, paired
 from stickslip.gap.explanations.unmeasured import unmeasured_load
+from stickslip.gap.filters.adequacy import passes
+from stickslip.gap.filters.diagnosing import Outcome as ByFilters
 from stickslip.gap.filters.diagnosing import filtering_of, outcome
+from stickslip.gap.filters.explaining import without_filter
 from stickslip.gap.filters.logged_stem import logged_stem
 from stickslip.gap.filters.telling import told as told_by_filters
 from stickslip.gap.fits.adequacy import adequate, complete, needed, stands
@@ -42,6 +45,7 @@ from stickslip.gap.floors.floor import Floor, measured
 from stickslip.gap.floors.problem import Problem, Settled
 from stickslip.gap.hints.hinted import hints
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.diagnosing import Outcome as ByLikelihood
 from stickslip.gap.likelihood.diagnosing import frame_of
 from stickslip.gap.likelihood.diagnosing import outcome as outcome_of
 from stickslip.gap.likelihood.telling import told as told_by_likelihood
@@ -92,8 +96,11 @@ def _diagnosed(
     stem = logged_stem(opened, record)
     filtering = filtering_of(opened, stem.without(record) if stem else record)
     if filtering is not None:
-        sure = kept_calibration(filtering.model, record).sureness
-        return told_by_filters(outcome(filtering, catalogue, seed, progress, stem), sure)
+        linear = outcome(filtering, catalogue, seed, progress, stem)
+        bent = _followed(opened, record, linear, catalogue, seed, progress) if stem is None else None
+        if bent is not None:
+            return told_by_likelihood(bent)
+        return told_by_filters(linear, kept_calibration(filtering.model, record).sureness)
     frame = frame_of(opened, record) if stem is None else None
     if frame is not None:
         return told_by_likelihood(outcome_of(frame, catalogue, seed, progress))
@@ -111,6 +118,23 @@ def _diagnosed(
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
     return told(problem, [*textured, *others], progress, catalogue, bool(textured), legal if limits else (), seed)
+
+
+def _followed(
+    opened: Diagram, record: Record, found: ByFilters, catalogue: Sequence[Effect], seed: int, progress: Progress
+) -> ByLikelihood | None:
+    """Return what effects explain that bend a linear loop, if they do where a linear filter has not found enough.
+
+    Both filters have one likelihood, so that what they leave compares.
+    """
+    if not found.gap or (found.same and passes(found.same[0].best)):
+        return None
+    bending = without_filter(found.plain, catalogue)
+    frame = frame_of(opened, record) if bending else None
+    if frame is None:
+        return None
+    other = outcome_of(frame, bending, seed, progress)
+    return other if other.named and other.named[0].nll < found.best.nll else None
 
 
 def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:

@@ -13,8 +13,11 @@ from stickslip.gap.effects.controller_integral_time import ControllerIntegralTim
 from stickslip.gap.effects.controller_limits import ControllerLimits
 from stickslip.gap.effects.dead_time import DeadTime
 from stickslip.gap.effects.deadband import Deadband
+from stickslip.gap.effects.derivative_action import DerivativeAction
+from stickslip.gap.effects.gain_schedule import GainSchedule
 from stickslip.gap.effects.gas_temperature import GasTemperature
 from stickslip.gap.effects.horizontal_separator import HorizontalSeparator
+from stickslip.gap.effects.lead import Lead
 from stickslip.gap.effects.line_friction import LineFriction
 from stickslip.gap.effects.positioner_lag import PositionerLag
 from stickslip.gap.effects.process_gain import ProcessGain
@@ -30,6 +33,9 @@ from stickslip.gap.effects.sensor_lag import SensorLag
 from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.effects.sensor_saturation import SensorSaturation
 from stickslip.gap.effects.sensor_span import SensorSpan
+from stickslip.gap.effects.setpoint_filter import SetpointFilter
+from stickslip.gap.effects.setpoint_ramp import SetpointRamp
+from stickslip.gap.effects.setpoint_weight import SetpointWeight
 from stickslip.gap.effects.shaft_friction import ShaftFriction
 from stickslip.gap.effects.sine_disturbance import SineDisturbance
 from stickslip.gap.effects.slug import Slug
@@ -47,10 +53,11 @@ from stickslip.gap.insertion.effect import Effect, EffectError
 CATALOGUE: tuple[Effect, ...] = (
     Stiction(), Deadband(), ValveLeak(), ValveSaturation(), ValveRateLimit(), PositionerLag(), ValveCharacteristic(),
     ValveGain(),
-    DeadTime(), ProcessGain(), ProcessTimeConstant(), SecondLag(), TankOverflow(),
+    DeadTime(), ProcessGain(), ProcessTimeConstant(), SecondLag(), Lead(), TankOverflow(),
     SensorBias(), SensorDrift(), SensorSpan(), SensorLag(), SensorNoise(), Quantisation(), SensorSaturation(),
     Compression(),
     ControllerGain(), ControllerIntegralTime(), ControllerLimits(), ControllerFilter(), ScanTime(),
+    DerivativeAction(), GainSchedule(), SetpointFilter(), SetpointRamp(), SetpointWeight(),
     SineDisturbance(), StepDisturbance(), Slug(),
     HorizontalSeparator(), BoilOffRate(), VapourPressure(), RealGas(), GasTemperature(),
     CompressorFouling(), CompressorMapShift(), RecycleLeak(), ShaftFriction(), LineFriction(),

@@ -5,7 +5,7 @@ coefficient 1 - exp(-dt/tau).
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.blocks.block import Block
 from stickslip.blocks.first_order import FirstOrder
@@ -13,8 +13,6 @@ from stickslip.blocks.role import Role
 from stickslip.blocks.sampled_filter import SampledFilter
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Effect, Parameter, not_below
-
-PARTS = ("SP", "PV")
 
 
 class ControllerFilter(Effect):
@@ -29,14 +27,16 @@ class ControllerFilter(Effect):
     name = "controller_filter"
     role = Role.CONTROLLER
     parameters = (Parameter("tau", "s", 0.0, 0.02, 3.0, "log", "time"),)
+    parts: ClassVar[tuple[str, ...]] = ("SP", "PV")  # of what the controller reads, that are filtered
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
-        """Return whether the controller reads SP and PV."""
-        return all(block.loop_signal(part) in block.input_labels for part in PARTS)
+        """Return whether the controller reads what is filtered."""
+        return all(block.loop_signal(part) in block.input_labels for part in self.parts)
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
-        """Return the diagram with a lag in what the controller reads as SP, and one in PV."""
-        for part, signal in [(part, str(diagram[place].loop_signal(part))) for part in PARTS]:
+        """Return the diagram with a lag in each part of what the controller reads."""
+        for part in self.parts:
+            signal = str(diagram[place].loop_signal(part))
             diagram = diagram.insert(signal, self._lag(diagram[place], part), readers=place)
         return diagram
 
@@ -48,12 +48,12 @@ class ControllerFilter(Effect):
         return FirstOrder(1.0, 1.0, name=name)
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the time constant of both lags."""
-        return {f"{self.block(place)} {part}.tau": values["tau"] for part in PARTS}
+        """Return the time constant of each lag."""
+        return {f"{self.block(place)} {part}.tau": values["tau"] for part in self.parts}
 
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
-        """Return the diagram with both lags settled at the first values of SP and PV."""
-        lags = [diagram[f"{self.block(place)} {part}"] for part in PARTS]
+        """Return the diagram with each lag settled at the first value of what it reads."""
+        lags = [diagram[f"{self.block(place)} {part}"] for part in self.parts]
         start = {
             f"{lag.name}.{'y' if lag.sampled else 'PV'}": first[str(lag.input_labels[0])]
             for lag in lags

@@ -123,7 +123,10 @@ def filtering_of(diagram: Diagram, record: Record, asked: bool = True) -> Filter
     if float(np.ptp(np.diff(record.log.t))) > 1e-6 * dt:
         return None
     quiet = silenced(diagram)
-    outputs = tuple(str(b.output_labels[0]) for b in quiet.blocks if b.role is Role.CONTROLLER and b.sampled)
+    acting = [b for b in quiet.blocks if b.role is Role.CONTROLLER and b.sampled]
+    if any(b.limit_params is None for b in acting):  # a program of its own: nobody knows when it bends
+        return None
+    outputs = tuple(str(b.output_labels[0]) for b in acting)
     record = with_outputs(quiet, record, outputs)
     settling = math.ceil(settling_rows(quiet, record))
     record = replace(record, log=without_unsettled(record.log, record.played, record.pinned, settling))

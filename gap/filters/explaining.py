@@ -8,9 +8,11 @@ import numpy as np
 from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.effects.controller_limits import ControllerLimits
+from stickslip.gap.effects.disturbance import Disturbance
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.scan_time import ScanTime
 from stickslip.gap.effects.sensor_saturation import SensorSaturation
+from stickslip.gap.filters.affine import NotAffine
 from stickslip.gap.filters.filtering import Explanation, Filtered
 from stickslip.gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
 from stickslip.gap.filters.limiting import limited
@@ -107,6 +109,31 @@ def first_looks(plain: Found, catalogue: Iterable[Effect], progress: Progress = 
                 looked.append(first_fit(plain, start))
             tell(done + 1, len(legal))
     return sorted(looked, key=lambda one: one.nll)
+
+
+def without_filter(plain: Found, catalogue: Iterable[Effect]) -> list[Effect]:
+    """Return the effects that make the diagram one that a linear filter cannot follow, at some place where they can be.
+
+    A limit of a sensor is one; a stem that hides and what the digits of a log tell have ways of their own.
+    """
+    f, other = plain.best.explanation.filtering, (Quantisation, ControllerLimits, ScanTime, Disturbance)
+    asked = [effect for effect in catalogue if not (effect.of_log or effect.hidden or isinstance(effect, other))]
+
+    def bends(effect: Effect) -> bool:
+        return any(_bends(Explanation(f, effect, place), plain) for place in f.given.places(effect))
+
+    return [effect for effect in asked if isinstance(effect, SensorSaturation) or bends(effect)]
+
+
+def _bends(one: Explanation, plain: Found) -> bool:
+    """Return whether no linear filter follows an explanation, at a size in the middle of its range."""
+    middle = {name: math.sqrt(low * high) if low > 0.0 else high for name, (low, high) in one.bounds.items()}
+    own = {name: middle[name] for name in one.own}
+    try:
+        one.matrices({**plain.best.values, **own})
+    except NotAffine:
+        return True
+    return False
 
 
 def fitted(plain: Found, looked: Iterable[Filtered], rival: float = math.inf) -> list[Found]:

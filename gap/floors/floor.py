@@ -116,13 +116,16 @@ def scored(e: Floats) -> Floats:
     return np.where(share > 0.01, losses(e).sum(axis=(-2, -1)), np.inf)
 
 
-def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Log]:
+def without_gap(
+    model: Diagram, record: Record, runs: int, seed: int, inputs: Mapping[str, Block] | None = None
+) -> list[Log]:
     """Return logs of the model with its nuisances, as the record's system would have written them.
 
-    ``seed``: the first of ``runs`` consecutive seeds.
+    ``seed``: the first of ``runs`` consecutive seeds; ``inputs``: what drives the model, as the record has it unless
+    given.
     """
     log, played = record.log, {s: record.log[s] for s in record.played}
-    found, logs = unrounded(model, record, runs, seed), []
+    found, logs = unrounded(model, record, runs, seed, inputs), []
     for i in range(len(next(iter(found.values()), ()))):
         values = record.rounded({s: runs_of[i] for s, runs_of in found.items()})
         quality = {s: log.good(s) for s in found}
@@ -130,7 +133,9 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
     return logs
 
 
-def unrounded(model: Diagram, record: Record, runs: int, seed: int) -> dict[str, Floats]:
+def unrounded(
+    model: Diagram, record: Record, runs: int, seed: int, inputs: Mapping[str, Block] | None = None
+) -> dict[str, Floats]:
     """Return what runs of the model with its nuisances have at the record's rows, (runs that succeed, rows)."""
     log, driven = record.log, [*record.pinned, *record.used]
     many = ensemble(
@@ -138,7 +143,7 @@ def unrounded(model: Diagram, record: Record, runs: int, seed: int) -> dict[str,
         log.duration,
         t0=float(log.t[0]),
         times=log.t,
-        inputs=_played(record) if record.played else None,
+        inputs=(inputs or _played(record)) if record.played else None,
         seeds=np.arange(seed, seed + runs),
         signals=driven,
         progress=False,

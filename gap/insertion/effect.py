@@ -216,11 +216,11 @@ def above(values: Mapping[str, float], *keys: str, remedy: str = "give 1 for non
     return ""
 
 
-def finite(values: Mapping[str, float], *keys: str) -> str:
+def finite(values: Mapping[str, float], *keys: str, remedy: str = "give 0 for none") -> str:
     """Return what is wrong with values that must be finite; "" if nothing is."""
     for key in keys:
         if not math.isfinite(values[key]):
-            return f"{key} = {values[key]:g}, but it must be finite; give 0 for none"
+            return f"{key} = {values[key]:g}, but it must be finite; {remedy}"
     return ""
 
 

@@ -26,10 +26,14 @@ class Inserted(Effect):
         """Return the block of the effect, with any values that it may have."""
         raise NotImplementedError
 
+    def enters(self, diagram: Diagram, block: Block) -> str | None:
+        """Return the signal that enters the block through an effect before it, None if it is not clear which."""
+        return measured(diagram, block)
+
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether one signal goes in or out where the effect lies, and somebody uses it."""
         if self.where == "before":
-            return measured(diagram, block) is not None
+            return self.enters(diagram, block) is not None
         if len(block.output_labels) != 1 or (self.role is Role.VALVE and len(block.input_labels) != 1):
             return False
         return self.where == "at" or bool(users(diagram, given(diagram, block.name)))
@@ -39,7 +43,7 @@ class Inserted(Effect):
         block = diagram[place]
         new = self.made(diagram, place)
         if self.where == "before":
-            return diagram.insert(str(measured(diagram, block)), new, readers=place)
+            return diagram.insert(str(self.enters(diagram, block)), new, readers=place)
         if self.where == "at":
             return diagram.insert(str(block.output_labels[0]), new)
         signal = given(diagram, place)

@@ -35,7 +35,7 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     gains = gains_for(one.labels, near.hypothesis.labels, near.gains)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
-        hidden, times, row_of, phi, sd, f.Y, np.sqrt(12.0 * f.r), gains, near.S, FAR, z, drawn, dither,
+        hidden, times, row_of, phi, sd, f.anew, np.sqrt(12.0 * f.r), gains, near.S, FAR, z, drawn, dither,
         shares, losses, e, stood, came,
     )  # fmt: skip
     complain(status)

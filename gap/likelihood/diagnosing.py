@@ -14,9 +14,11 @@ from stickslip.gap.likelihood.digits import by_digits
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.search import (
     LAGGING,
     fitted,
@@ -69,7 +71,8 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
     """
     if not any(one.correlation_time > 0.0 for one in nuisances(model)) or len(model.blocks) > MOST_BLOCKS:
         return None
-    frame = Frame(Given(model.starting_at(start_values(silenced(model), record))), record)
+    given = Given(model.starting_at(start_values(silenced(model), record)))
+    frame = Frame(given, record, doubts=rounded(record))
     try:
         alone = Hypothesis(frame)
         if len(alone.prepared.states) > MOST_STATES:
@@ -168,7 +171,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     shown = by_digits(null, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
-    far = null.best.gross
+    far = null.best.gross or at_bound(null)  # noise that wants to be larger than it can be hides how far it is
     found = (
         by_race(null, rough, legal(rough, catalogue), progress)
         if far

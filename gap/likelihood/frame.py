@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from stickslip.blocks.role import Role
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
+from stickslip.gap.likelihood.inputs import Doubt
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import rounding, switch_rows, switches
@@ -19,6 +20,7 @@ from stickslip.gap.records.record import rounding, switch_rows, switches
 Floats = NDArray[np.float64]
 NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
+FAST = 2.0  # stops in the correlation time of a load that changes between two rows
 SAME = 1e-6  # of an interval: stops nearer to each other are one
 FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
 
@@ -27,12 +29,14 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 class Frame(Held):
     """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
-    ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most.
+    ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most;
+    ``doubts`` what the log does not tell of its inputs.
     """
 
     apart: bool = False
     seen: float = 1.0
     draws: int = DRAWS
+    doubts: Mapping[str, Doubt] = field(default_factory=dict)
 
     @property
     def free(self) -> dict[str, tuple[float, float]]:
@@ -81,6 +85,21 @@ class Frame(Held):
         return np.array(found)
 
     @cached_property
+    def anew(self) -> Floats:
+        """Logged values, (rows, signals), NaN where the log has an output again that has not been made anew.
+
+        It has the same rounding then, and says nothing new.
+        """
+        found, t = self.Y.copy(), self.record.log.t
+        for j, s in enumerate(self.signals):
+            block = self.model.blocks[self.model.driven[s][0]]
+            if block.sampled:
+                offset = block.params.get(block.offset_param or "", 0.0)
+                scans = np.floor((t - offset) / block.period + SAME)
+                found[1:][(np.diff(scans) == 0.0) & (np.diff(self.Y[:, j]) == 0.0), j] = np.nan
+        return found
+
+    @cached_property
     def counted(self) -> NDArray[np.bool_]:
         """Which rows count."""
         row = np.arange(len(self.Y))
@@ -114,12 +133,17 @@ class Frame(Held):
         t = self.record.log.t
         times = [t]
         for one in self.noise:
-            block = self.model[one.block]
-            if one.correlation_time == 0.0:
+            block, wanted = self.model[one.block], one.correlation_time / FAST
+            if wanted < self.record.log.dt:  # else what is held from row to row hardly changes
                 offset = float(block.params.get("offset", 0.0))
-                every = block.period * max(1, math.ceil(self.record.log.dt / block.period / self.draws))
+                finest = math.ceil(self.record.log.dt / block.period / self.draws)
+                every = block.period * max(1, finest, math.floor(wanted / block.period))
                 first = offset + every * math.ceil((t[0] - offset) / every - 1e-9)
                 times.append(np.arange(first, t[-1] + 1e-9, every))
+        if any(one.spread > 0.0 for one in self.doubts.values()):
+            every = self.scanned or 0.25 * self.record.log.dt
+            every *= max(1, math.ceil(self.record.log.dt / every / self.draws))
+            times.append(np.arange(t[0], t[-1], every))
         every_time = np.sort(np.concatenate(times))
         apart = np.concatenate([[True], np.diff(every_time) > SAME * self.record.log.dt])
         stops = every_time[apart]
@@ -134,6 +158,12 @@ class Frame(Held):
         kept = {name: found for name, found in self.__dict__.items() if name not in (*other.__dict__, "sources")}
         other.__dict__.update(kept)
         return other
+
+    @cached_property
+    def doubted(self) -> dict[str, tuple[Floats, Floats]]:
+        """How much of the doubt of an input stays at each stop, and the standard deviation of what is new."""
+        log = self.record.log
+        return {s: one.drawn(log.t, log[s], *self.stops) for s, one in self.doubts.items()}
 
     def drawn(self, noise: Nuisance) -> NDArray[np.bool_]:
         """Return at which stops a source of white noise draws."""

@@ -49,7 +49,7 @@ class Hypothesis:
     def prepared(self) -> Prepared:
         """The changed model ready for the filter."""
         longest = self.settings({name: high for name, (_, high) in self.bounds.items()})
-        return prepared(self.changed, self.frame.record, self.frame.scan, longest)
+        return prepared(self.changed, self.frame.record, self.frame.scan, longest, self.frame.doubts)
 
     @property
     def hides(self) -> bool:
@@ -115,7 +115,7 @@ class Hypothesis:
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
                 I, W, buffer, *kept_sizes(I), self.places, self.shown, self.places[0, self.where], times, row_of,
-                phi, f.Y, gains, near.kinks, turns, z, shown, missed,
+                phi, f.anew, gains, near.kinks, turns, z, shown, missed,
             )  # fmt: skip
             complain(status)
             return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, turns, shown)
@@ -126,7 +126,7 @@ class Hypothesis:
         turns = np.zeros((len(times), n + m))
         status, *pools = extended(
             I, W, buffer, *kept_sizes(I), self.places, self.prepared.modes, self.shown, self.places[0, self.where],
-            self.where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, joined, most_runs // (2 * n), z.copy(),
+            self.where, size, times, row_of, phi, sd, f.anew, f.r, f.probed, joined, most_runs // (2 * n), z.copy(),
             spread, which, force, gains, kinks, turns, shown, e, S,
         )  # fmt: skip
         complain(status)
@@ -145,7 +145,7 @@ class Hypothesis:
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force,
+        otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.anew, f.r, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains, known.kinks, known.turns)
 
@@ -197,6 +197,9 @@ class Hypothesis:
         gap = np.diff(times, prepend=times[0])
         phi, drawn = np.ones((len(times), len(self.prepared.noise))), np.zeros((len(times), len(self.prepared.noise)))
         for j, (one, _) in enumerate(self.prepared.noise):
+            if one.block in f.doubted:
+                phi[:, j], drawn[:, j] = f.doubted[one.block]
+                continue
             sd = settings.get(f"{one.block}.sd", one.sd)
             T = settings.get(f"{one.block}.correlation_time", one.correlation_time)
             phi[:, j] = np.exp(-gap / T) if T > 0.0 else np.where(f.drawn(one), 0.0, 1.0)

@@ -14,16 +14,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.gap.filters.adequacy import LIMIT_LARGEST
 from stickslip.gap.filters.checks import checks
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.inputs import played
 from stickslip.gap.likelihood.scores import basis, trusted
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
+GUESSES = 4  # at what the log does not tell of inputs, among these runs
 JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
 ALARM = 0.005  # share of right hypotheses that are called wrong
 QUARTILES = (0.25, 0.5, 0.75)
@@ -57,7 +61,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
     usual = []
     runs = RUNS_OF_BANK if one.hides else RUNS
-    for log in without_gap(one.model(fit.best.values), f.record, runs, seed + 1):
+    for log in _runs(fit, runs, seed + 1):
         left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
         if left is not None:
             usual.append(largest(replace(fit, best=left), directions)[1])
@@ -69,6 +73,16 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     a = float(middle) - _gumbel(QUARTILES[1]) * b
     p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
     return Verdict(size, name, p, a + b * _gumbel(1.0 - ALARM))
+
+
+def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:
+    """Return logs of runs of a fit, some with each guess at what the log does not tell of its inputs."""
+    f, model, found = fit.hypothesis.frame, fit.hypothesis.model(fit.best.values), []
+    guesses = GUESSES if f.doubts else 1
+    for k in range(guesses):
+        inputs = played(f.record, f.doubts, *f.stops, seed + k) if f.doubts else None
+        found += without_gap(model, f.record, runs // guesses, seed + k * runs, inputs)
+    return found
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
@@ -90,7 +104,7 @@ def _gumbel(share: float) -> float:
 
 def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
     """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves."""
-    return verdict.size <= max(verdict.limit, LITTLE * alone.size)
+    return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, LIMIT_LARGEST))
 
 
 def largest(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:

@@ -1,7 +1,7 @@
 """A model made ready for a filter: noise as inputs that are held, dead times as scan values, one component."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -89,16 +89,18 @@ class Prepared:
 
 
 def prepared(
-    model: Diagram, record: Record, scan: float, longest: Mapping[str, float] = MappingProxyType({})
-) -> Prepared:
+    model: Diagram, record: Record, scan: float, longest: Mapping[str, float] = MappingProxyType({}),
+    doubted: Iterable[str] = (),
+) -> Prepared:  # fmt: skip
     """Return a model, with its nuisances, ready for a filter of a record.
 
-    ``scan`` [s] of its controllers; ``longest`` block.parameter -> the largest that a dead time [s] may become.
+    ``scan`` [s] of its controllers; ``longest`` block.parameter -> the largest that a dead time [s] may become;
+    ``doubted`` inputs that are not exactly as they are logged.
     """
     quiet = silenced(model)
     noise: list[tuple[Nuisance, str]] = []
-    for one in nuisances(model):
-        signal = str(model[one.block].output_labels[0])
+    drawing = [(one, str(model[one.block].output_labels[0])) for one in nuisances(model)]
+    for one, signal in (*drawing, *((Nuisance(s, 0.0, 0.0), s) for s in doubted)):
         holder = f"{one.block}:drawn"
         quiet = quiet.insert(
             signal, Sum(signal, {signal: 1.0, holder: 1.0}, name=f"{one.block}:noisy"), inputs=[holder]

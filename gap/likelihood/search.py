@@ -101,10 +101,22 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
             return None  # what no play explains to some part no stem that jumps explains
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
-    start = tried(mine, one.values) if raced else _own_filter(null, one)
+    start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):
         start = with_likelier_loads(start)  # a random load has stood for the planned one
     return None if start is None else settled(unfitted(start), 1)
+
+
+def _likelier_noise(start: Innovations | None) -> Innovations | None:
+    """Return a start with noise and loads as the model states them, if that is likelier: a model that is wrong has
+    larger ones.
+    """
+    if start is None:
+        return None
+    one = start.hypothesis
+    plain = {key: size for key, size in one.frame.stated.items() if key in one.noise_keys}
+    stated = tried(one, {**start.values, **plain})
+    return stated if stated is not None and stated.nll < start.nll else start
 
 
 def _within_reach(null: Fit, found: Sequence[Fit]) -> float:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.likelihood.inputs import in_lines
 from stickslip.gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
@@ -44,7 +45,8 @@ def with_ramps(now: Innovations) -> Innovations:
     for s in frame.record.played:
         if len(switch_rows(frame.record.log, s)) > FEWEST and not switches(frame.record.log, s):
             record = replace(frame.record, ramps=frame.record.ramps | {s})
-            found = tried(replace(now.hypothesis, frame=replace(frame, record=record)), now.values)
+            doubts = {**frame.doubts, s: in_lines(record, s)}
+            found = tried(replace(now.hypothesis, frame=replace(frame, record=record, doubts=doubts)), now.values)
             now = found if found is not None and found.nll < now.nll - GAIN else now
             frame = now.hypothesis.frame
     return now

@@ -49,10 +49,12 @@ def _named(o: Outcome) -> GapReport:
     if o.textured:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:
+        assert o.best is not None
+        usual = "usual" if o.best.size <= o.best.limit else f"little beside the {o.alone.size:.0f} of the model alone"
         words.append(
             f"The log is {o.null.nll - best.nll:.1f} nats likelier with {'both' if o.firsts else 'it'}; what "
-            f"{'they leave' if o.firsts else 'it leaves'} is usual "
-            f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
+            f"{'they leave' if o.firsts else 'it leaves'} is {usual} "
+            f"({o.best.size:.1f} standard deviations at most, {o.best.name})."
         )
     if o.textured:
         sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll))

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from stickslip.blocks.block import Block
+from stickslip.blocks.compiled_step import compiled_step
 from stickslip.blocks.noise import Noise, Seeded, seeded
 from stickslip.blocks.role import Role
+from stickslip.blocks.sampled_function import SampledFunction
 from stickslip.blocks.sources import Constant
 from stickslip.diagram.diagram import Diagram
+from stickslip.engine.call import address, in_python
 from stickslip.gap.insertion.paths import noise_of
 from stickslip.gap.records.record import FEWEST, GapError, Record
 from stickslip.gap.records.regular import with_inputs_held, with_rows_filled
@@ -142,6 +145,20 @@ def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
     return diagram.without(*known) if known else diagram
 
 
+def compiled(diagram: Diagram) -> Diagram:
+    """Return the diagram with sampled functions as blocks that the engine compiles, where it can.
+
+    Such a function may be the controller of somebody who knows its program; in Python no filter follows it.
+    """
+    for block in diagram.blocks:
+        if isinstance(block, SampledFunction):
+            twin = compiled_step(block)
+            address(twin.kernels.step)
+            if in_python(twin.kernels.step) is None and twin is not block:
+                diagram = diagram.replace(block.name, twin)
+    return diagram
+
+
 def _noises(diagram: Diagram) -> set[str]:
     """Return the signals that are white noise of a sensor: a simulation writes them, a plant does not know them."""
     white = {nuisance.block for nuisance in nuisances(diagram) if nuisance.correlation_time == 0.0}
@@ -178,7 +195,7 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
             f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "
             "mend its times, or cut it at the gaps"
         )
-    opened = with_logged_sources(diagram, log)
+    opened = compiled(with_logged_sources(diagram, log))
     missing = [s for s in opened.open_inputs if s not in log]
     if missing:
         raise GapError(

@@ -1,0 +1,117 @@
+"""Derivative action: the controller answers the speed of PV as well, with the time ``T_d`` [s], behind a lag T_d/N.
+
+    v = K_p (SP - PV - D) + K_p/T_i integral of (SP - PV),      D = N (PV - f),   T_d/N df/dt = PV - f
+
+What enters only the proportional part is the same as if it entered PV without what a lag of T_i makes of it, but for
+limits.  Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 3.3.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, above, not_below
+from stickslip.gap.insertion.of_controller import OfController
+
+LEAST = 1e-9  # derivative time [s] below which there is none
+
+
+def _out(f: float, x: float, in_: float, N: float) -> float:
+    return in_ + N * (in_ - f) - x
+
+
+def _der(f: float, x: float, in_: float, N: float, T_f: float, T_i: float) -> tuple[float, float]:
+    return (in_ - f) / T_f, (N * (in_ - f) - x) / T_i
+
+
+class Derivative(OneToOne):
+    """PV and its derivative, as a controller with the integral time ``T_i`` [s] takes it in its proportional part.
+
+    >>> from stickslip.diagram import drive
+    >>> drive(Derivative("y", "u", N=5.0, T_f=1.0, T_i=math.inf), 1.0, every=1.0, u=1.0).log["y"].round(3).tolist()
+    [6.0, 2.839]
+    """
+
+    role = Role.FILTER
+    kernels = Kernels(out=_out, der=_der, linear=True)
+
+    def __init__(self, signal: str, source: str, N: float, T_f: float, T_i: float, *, name: str = "") -> None:
+        params = {"N": N, "T_f": T_f, "T_i": T_i}
+        super().__init__(signal, source, params, states={"f": 0.0, "x": 0.0}, unit="", name=name)
+
+
+def _step(
+    f: float, x: float, in_: float, N: float, T_f: float, T_i: float, late: float, dt: float
+) -> tuple[float, float, float]:
+    f += dt / (T_f + dt) * (in_ - f)
+    D = N * (in_ - f)
+    if late == 0.0:
+        x += dt / (T_i + dt) * (D - x)
+    shown = in_ + D - x
+    if late != 0.0:
+        x += dt / T_i * (D - x)
+    return f, x, shown
+
+
+class ScannedDerivative(OneToOne):
+    """The same at the scans of a controller; ``late``: its integral takes in the previous error.
+
+    >>> from stickslip.diagram import drive
+    >>> scanned = ScannedDerivative("y", "u", N=4.0, T_f=1.0, T_i=math.inf, dt=1.0)
+    >>> drive(scanned, 2.0, every=1.0, u=1.0).log["y"].tolist()
+    [3.0, 2.0, 1.5]
+    """
+
+    role = Role.FILTER
+    kernels = Kernels(step=_step)
+    period_param = "dt"
+    offset_param = "offset"
+    same_unit = True
+
+    def __init__(
+        self, signal: str, source: str, N: float, T_f: float, T_i: float, dt: float, *, offset: float = 0.0,
+        late: bool = False, name: str = "",
+    ) -> None:  # fmt: skip
+        params = {"N": N, "T_f": T_f, "T_i": T_i, "late": float(late), "dt": dt, "offset": offset}
+        memory = {"f": 0.0, "x": 0.0}
+        super().__init__(signal, source, params, memory=memory, start_output=[0.0], unit="", name=name)
+
+
+class DerivativeAction(OfController):
+    """A controller with derivative action on PV.
+
+    >>> from stickslip.plant.loops import self_regulating_loop
+    >>> with_d = DerivativeAction().insert(self_regulating_loop(), "controller", T_d=2.0)
+    >>> with_d["controller:derivative_action"].params["T_f"]
+    0.2
+    """
+
+    name = "derivative_action"
+    parameters = (
+        Parameter("T_d", "s", 0.0, 0.02, 1.0, "log", "time"),
+        Parameter("N", "-", 10.0, 1.0, 100.0, "log", nuisance=True),
+    )
+    reads = "PV"
+    state = "f"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return PV and its derivative."""
+        at = diagram[place]
+        T_i = at.params.get("T_i", math.inf)
+        if not at.sampled:
+            return Derivative("out", "in", 10.0, 1.0, T_i, name=self.block(place))
+        return ScannedDerivative("out", "in", 10.0, 1.0, T_i, **self.scans(at), name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the filter of the derivative as parameters of the block."""
+        own, lag = self.block(place), np.maximum(values["T_d"], LEAST) / values["N"]
+        return {f"{own}.N": values["N"], f"{own}.T_f": lag}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"T_d": 0.0}) or above(values, "N", remedy="give 10, as most controllers have")

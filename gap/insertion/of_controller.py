@@ -1,0 +1,64 @@
+"""A lead and a lag in the path of one signal, and what a controller computes of SP or PV before it uses them.
+
+y = r u + (1 - r) x,    lag dx/dt = u - x                      r: lead as a share of the lag
+at scans, each dt:      x_k = x_(k-1) + s (u_k - x_(k-1)),     s = dt/(lag + dt)
+or, a scan late:        x_k = x_(k-1) + s (u_(k-1) - x_(k-1)), s = dt/lag
+"""
+
+from typing import Any, ClassVar
+
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.inserted import Inserted
+
+
+def _step(x: float, in_: float, ratio: float, share: float, late: float) -> tuple[float, float]:
+    if late == 0.0:
+        x += share * (in_ - x)
+    shown = ratio * in_ + (1.0 - ratio) * x
+    if late != 0.0:
+        x += share * (in_ - x)
+    return x, shown
+
+
+class ScannedLeadLag(OneToOne):
+    """A lead and a lag that a controller computes at its scans; ``late``: the lag takes in what was read a scan ago.
+
+    >>> from stickslip.diagram import drive
+    >>> lead = ScannedLeadLag("y", "u", ratio=3.0, share=0.5, dt=1.0)
+    >>> drive(lead, 2.0, every=1.0, u=1.0).log["y"].tolist()
+    [2.0, 1.5, 1.25]
+    """
+
+    role = Role.FILTER
+    kernels = Kernels(step=_step)
+    period_param = "dt"
+    offset_param = "offset"
+    same_unit = True
+
+    def __init__(
+        self, signal: str, source: str, ratio: float, share: float, dt: float, *, offset: float = 0.0,
+        late: bool = False, name: str = "",
+    ) -> None:  # fmt: skip
+        params = {"ratio": ratio, "share": share, "late": float(late), "dt": dt, "offset": offset}
+        super().__init__(signal, source, params, memory={"x": 0.0}, start_output=[0.0], unit="", name=name)
+
+
+class OfController(Inserted):
+    """An effect in what a controller ``reads``, SP or PV; one that scans computes it at its scans."""
+
+    role = Role.CONTROLLER
+    where = "before"
+    reads: ClassVar[str] = "SP"
+
+    def enters(self, diagram: Diagram, block: Block) -> str | None:
+        """Return the signal in whose path the effect lies, None if the controller does not read it."""
+        found = block.loop_signal(self.reads)
+        return str(found) if found in block.input_labels else None
+
+    def scans(self, controller: Block) -> dict[str, Any]:
+        """Return when a controller scans, and whether its integral takes in the previous error."""
+        offset = controller.params.get(controller.offset_param or "", 0.0)
+        return {"dt": controller.period, "offset": offset, "late": controller.params.get("present") == 0.0}

@@ -1,0 +1,85 @@
+"""What the log does not tell of a logged input: its last digits, and what it does between two rows.
+
+    u = what is played + d,      d ~ N(0, step^2/12)             anew where the input moves, else as it was
+    between rows in a line:      d' = d q + w,  q = (1 - f')/(1 - f),  w ~ N(0, 4 s^2 (f' - f) q)     a Brownian bridge
+                                 f, f': shares of the way from row to row;  s: ``spread`` halfway, or half of a jump
+
+A set point of a cascade, of a ratio or of a higher control is a number with all digits, of which the log keeps some.
+A spread is that of a random walk halfway between its rows: what one row misses the middle of its neighbours by, over
+the square root of two.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.blocks.recorded import Recorded
+from stickslip.gap.records.record import Record, rounding, switches
+
+Floats = NDArray[np.float64]
+TYPED = 1.5  # times the digit of the other signals: what has no finer digits has been typed in, and is exact
+JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
+NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """The ``step`` to which the log rounds an input, and its ``spread`` halfway between two rows [its unit]."""
+
+    step: float
+    spread: float = 0.0
+
+    def drawn(self, log_t: Floats, values: Floats, stops: Floats, row_of: NDArray[np.int64]) -> tuple[Floats, Floats]:
+        """Return how much of the doubt stays at each stop, and the standard deviation of what is new, (stops,) each."""
+        phi, sd = np.ones(len(stops)), np.zeros(len(stops))
+        fresh = np.diff(values, prepend=np.nan) != 0.0
+        at_row = row_of >= 0
+        new = at_row & fresh[np.maximum(row_of, 0)]
+        phi[new], sd[new] = 0.0, self.step / np.sqrt(12.0)
+        if self.spread > 0.0:
+            k = np.clip(np.searchsorted(log_t, stops, side="right") - 1, 0, len(log_t) - 2)
+            share = np.clip((stops - log_t[k]) / (log_t[k + 1] - log_t[k]), 0.0, 1.0)
+            since = np.where(np.diff(k, prepend=-1) == 0, np.concatenate([[0.0], share[:-1]]), 0.0)
+            steps = np.abs(np.diff(values))
+            jumps = steps > JUMP * NORMAL * float(np.median(steps))  # somewhere between the rows
+            wide = np.where(jumps, 0.5 * steps, self.spread)[k]
+            moving = ~at_row & (fresh[k] | fresh[k + 1])
+            phi[moving] = ((1.0 - share) / (1.0 - since))[moving]
+            sd[moving] = 2.0 * (wide * np.sqrt((share - since) * (1.0 - share) / (1.0 - since)))[moving]
+            behind = at_row & np.concatenate([[False], moving[:-1]])
+            phi[behind], sd[behind] = 0.0, self.step / np.sqrt(12.0)
+        return phi, sd
+
+
+def rounded(record: Record) -> dict[str, Doubt]:
+    """Return the doubts of inputs whose digits are as fine as those that the log gives other signals."""
+    finest = max((record.steps[s] for s in record.pinned), default=0.0)
+    steps = {s: rounding(record.known(s)) for s in record.played}
+    return {s: Doubt(step) for s, step in steps.items() if 0.0 < step <= TYPED * finest}
+
+
+def in_lines(record: Record, signal: str) -> Doubt:
+    """Return the doubt of an input that moves all the time, and goes in lines from row to row."""
+    v = record.log[signal]
+    off = v[1:-1] - 0.5 * (v[:-2] + v[2:])
+    spread = NORMAL * float(np.median(np.abs(off))) / np.sqrt(2.0)
+    return Doubt(0.0 if switches(record.log, signal) else rounding(record.known(signal)), spread)
+
+
+def played(
+    record: Record, doubts: Mapping[str, Doubt], stops: Floats, row_of: NDArray[np.int64], seed: int
+) -> dict[str, Recorded]:
+    """Return what may have driven the inputs: with digits, and ways between rows, that the log has not."""
+    rng, found = np.random.default_rng(seed), {}
+    for s in record.played:
+        source = record.source(s)
+        if s in doubts:
+            phi, sd = doubts[s].drawn(record.log.t, record.log[s], stops, row_of)
+            values = np.array([float(source.output(t, [], [])[0]) for t in stops.tolist()])
+            d, now = np.empty(len(stops)), 0.0
+            for k, new in enumerate((sd * rng.standard_normal(len(stops))).tolist()):
+                now = d[k] = phi[k] * now + new
+            source = Recorded(s, stops, values + d, hold="previous", name=source.name)
+        found[s] = source
+    return found

@@ -1,0 +1,42 @@
+"""What a controller of a plant does that the model's does not, beside a plant in plain numpy."""
+
+import math
+
+import numpy as np
+import pytest
+from stickslip.blocks import Staircase
+from stickslip.diagram import simulate
+from stickslip.diagram.inputs import close
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+
+from tests.gap.plain_tank import LEVELS, logged, model
+
+SIZES = {
+    "setpoint_filter": ("controller", "tau", 15.0), "setpoint_ramp": ("controller", "rate", 0.0015),
+    "setpoint_weight": ("controller", "b", 0.4), "derivative_action": ("controller", "T_d", 15.0),
+    "gain_schedule": ("controller", "slope", 2.0), "lead": ("tank", "T", 20.0),
+}  # fmt: skip
+FIRST = {"SP": 1.0, "PV": 1.0, "OP": 0.5, "MV": 0.5, "F": 0.5, "h": 1.0}
+AT = [math.ceil(5400.0 * k / len(LEVELS)) for k in range(len(LEVELS))]
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_an_effect_does_what_a_plant_in_plain_numpy_does(name):
+    place, key, size = SIZES[name]
+    still = model().with_params({"feed.sd": 0.0, "sensor.sd": 0.0})
+    changed = effect(name).started(effect(name).insert(still, place, **{key: size}), place, FIRST)
+    run = simulate(close(changed, {"SP": Staircase("SP", at=AT, levels=LEVELS)}), 5400.0, every=5.0).log
+    plant, other = logged(name, size, quiet=True), logged(quiet=True)
+    for signal, near in (("PV", 5e-4), ("OP", 1e-3)):
+        left = float(np.abs(run[signal] - plant[signal]).max())
+        assert left < near and left < 0.1 * float(np.abs(other[signal] - plant[signal]).max())
+
+
+@pytest.mark.parametrize(("name", "root"), [("setpoint_ramp", False), ("gain_schedule", True), ("lead", False)])
+def test_it_is_named_with_its_size(name, root):
+    place, key, size = SIZES[name]
+    report = diagnose(model(root), logged(name, size, root=root), limits=False)
+    (cause,) = report.causes
+    assert (cause.effect, cause.place) == (name, place)
+    assert cause.parameters[key].value == pytest.approx(size, rel=0.12)
