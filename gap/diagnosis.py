@@ -48,6 +48,7 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.diagnosing import Outcome as ByLikelihood
 from stickslip.gap.likelihood.diagnosing import frame_of
 from stickslip.gap.likelihood.diagnosing import outcome as outcome_of
+from stickslip.gap.likelihood.inputs import felt
 from stickslip.gap.likelihood.telling import told as told_by_likelihood
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.usual import floor_of_record, suspected
@@ -123,18 +124,21 @@ def _diagnosed(
 def _followed(
     opened: Diagram, record: Record, found: ByFilters, catalogue: Sequence[Effect], seed: int, progress: Progress
 ) -> ByLikelihood | None:
-    """Return what effects explain that bend a linear loop, if they do where a linear filter has not found enough.
+    """Return what the filter of runs says where the linear one has not found enough, or what it cannot know.
 
-    Both filters have one likelihood, so that what they leave compares.
+    It knows the doubts of inputs, and effects that bend a linear loop.  Both have one likelihood, so that what they
+    leave compares.
     """
-    if not found.gap or (found.same and passes(found.same[0].best)):
+    enough = bool(found.same) and passes(found.same[0].best)
+    if not found.gap:
         return None
-    bending = without_filter(found.plain, catalogue)
-    frame = frame_of(opened, record) if bending else None
+    doubted = felt(record, found.plain.best)
+    asked = catalogue if doubted else () if enough else without_filter(found.plain, catalogue)
+    frame = frame_of(opened, record) if asked else None
     if frame is None:
         return None
-    other = outcome_of(frame, bending, seed, progress)
-    return other if other.named and other.named[0].nll < found.best.nll else None
+    other = outcome_of(frame, asked, seed, progress)
+    return other if doubted or (other.named and other.named[0].nll < found.best.nll) else None
 
 
 def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:

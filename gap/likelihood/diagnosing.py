@@ -16,6 +16,7 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
+from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
 from stickslip.gap.likelihood.scores import at_bound
@@ -86,7 +87,7 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
 
 def when_switched(frame: Frame) -> Frame:
     """Return the frame with inputs that switch when it suits the model as it is stated."""
-    now = with_ramps(Hypothesis(frame).filtered({}))
+    now = with_ramps(in_phase(Hypothesis(frame).filtered({})))
     for _ in range(SETTLING):
         before, now = now, with_switches(now)
         if now is before:

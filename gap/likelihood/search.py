@@ -13,6 +13,7 @@ from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, resting, settled_stem
@@ -89,7 +90,22 @@ def fitted(
     first.sort(key=price)
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
-    return sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
+    ended = sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
+    return _in_phase_of_best(ended)
+
+
+def _in_phase_of_best(found: list[Fit]) -> list[Fit]:
+    """Return the fits with rows behind the scans where the best has them: a wrong model finds them elsewhere."""
+    if not found or found[0].hypothesis.hides:
+        return found
+    best = in_phase(found[0].best)
+    if best is found[0].best:
+        return found
+    others = [
+        tried(fit.hypothesis.of(best.hypothesis.frame), fit.best.values) for fit in found if not fit.hypothesis.hides
+    ]
+    again = [settled(unfitted(one)) for one in (best, *others[1:]) if one is not None]
+    return sorted([*again, *(fit for fit in found if fit.hypothesis.hides)], key=price)
 
 
 def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, within: float) -> Fit | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
-from stickslip.gap.likelihood.inputs import in_lines
+from stickslip.gap.likelihood.inputs import FEWEST, in_lines
 from stickslip.gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
@@ -20,7 +20,6 @@ Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
 TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
 LATE = 1e-6  # share of an interval by which a switch stays behind the row before
-FEWEST = 3  # rows at which an input moves, that may be a ramp
 GAIN = 1.0  # nats that other instants must gain
 
 

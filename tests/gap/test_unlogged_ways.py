@@ -72,6 +72,13 @@ def test_noise_that_changes_between_rows_is_not_held():
     assert size < USUAL, name
 
 
+def test_rows_lie_anywhere_between_scans():
+    log = logged()
+    late = Log(log.t - 0.75, {s: log[s] for s in log.names})  # the clock of a log does not say when a controller scans
+    size, name = largest(model(), late)
+    assert size < USUAL, name
+
+
 def program(state, SP, PV, K_p=K, T_i=T_I, h=SCAN):
     """A controller as its user has it: positional, kept between its limits."""
     z, _ = state
