@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.effects.controller_limits import ControllerLimits
@@ -25,6 +26,7 @@ STEPPED = (ScanTime, ControllerLimits)
 PART = 400  # rows in which slower scans are looked for, at least
 SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
 STRAY = 0.02  # share of rows at which its output may change though it has not scanned
+OFFSETS = 6  # first scans of a period that are tried before those beside the likeliest
 SLOWER = 3  # of these that are looked at with switches of their own
 SHORTEST = 2.5  # period of a load [rows]: a filter knows what it does between two rows
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
@@ -245,22 +247,44 @@ def _slower(one: Explanation, free: Mapping[str, float]) -> Filtered | None:
     """Return the best of the slower scans: those likeliest in the first part of the record, with and without the rows
     near switches, each with switches that suit it.
     """
+    scans = _scans(one)
     rows = len(one.filtering.Y)
     head = one.filtering.head(min(rows, max(PART, rows // 4)))
     counted = replace(head, apart=True).counted
     first = replace(one, filtering=head)
-    looked = [found for values in _scans(one) if (found := tried(first, {**free, **values})) is not None]
-    best = sorted(looked, key=lambda x: x.nll)[:SLOWER]
-    best += sorted(looked, key=lambda x: float(x.losses[counted].sum()))[:SLOWER]
+    looked = _tried(first, free, [values for many in scans for values in thinned(many)])
+    best = _likeliest(looked, counted)
+    by_period = {many[0]["period"]: many for many in scans}
+    reach = {period: len(many) / OFFSETS * one.filtering.period for period, many in by_period.items()}
+    beside = [
+        values for x in best for period in [x.values["period"]] for values in by_period[period]
+        if 0.0 < abs(values["offset"] - x.values["offset"]) < reach[period]
+    ]  # fmt: skip
+    best = _likeliest([*looked, *_tried(first, free, beside)], counted)
     many = {tuple(x.values.items()): x.values for x in best}.values()
     near = [found for values in many if (found := tried(one, values)) is not None]
     near += [found for x in near if (found := tried(one, {**x.values, "present": 0.0})) is not None]
     return best_of([with_switches(found) for found in near])
 
 
-def _scans(one: Explanation) -> list[dict[str, float]]:
-    """Return periods and first scans to try, of an integral that takes in the present error: those that explain when
-    the logged output changes.
+def _tried(one: Explanation, free: Mapping[str, float], many: Iterable[Mapping[str, float]]) -> list[Filtered]:
+    return [found for values in many if (found := tried(one, {**free, **values})) is not None]
+
+
+def _likeliest(looked: Sequence[Filtered], counted: NDArray[np.bool_]) -> list[Filtered]:
+    """Return the likeliest in all rows, and in those that count apart from switches."""
+    best = sorted(looked, key=lambda x: x.nll)[:SLOWER]
+    return best + sorted(looked, key=lambda x: float(x.losses[counted].sum()))[:SLOWER]
+
+
+def thinned(many: Sequence[dict[str, float]]) -> Sequence[dict[str, float]]:
+    """Return at most about ``OFFSETS`` of the first scans of one period, evenly over it."""
+    return many[:: max(1, math.ceil(len(many) / OFFSETS))]
+
+
+def _scans(one: Explanation) -> list[list[dict[str, float]]]:
+    """Return the first scans to try of each period, of an integral that takes in the present error: those that explain
+    when the logged output changes.
 
     A controller that scans more slowly than rows are logged gives the same output at rows without a scan in between.
     """
@@ -270,10 +294,10 @@ def _scans(one: Explanation) -> list[dict[str, float]]:
     at = f.every * np.arange(len(values))
     found = []
     for period in range(2, min(SLOWEST, int(one.bounds["period"][1] / f.period)) + 1):
-        for offset in range(period):
-            idle = np.diff((at - offset) // period) == 0
-            if moved[idle].sum() <= STRAY * idle.sum():
-                found.append({"period": f.period * period, "offset": f.period * offset, "present": 1.0})
+        idle = [np.diff((at - offset) // period) == 0 for offset in range(period)]
+        known = [k for k, still in enumerate(idle) if moved[still].sum() <= STRAY * still.sum()]
+        if known:
+            found.append([{"period": f.period * period, "offset": f.period * k, "present": 1.0} for k in known])
     return found
 
 

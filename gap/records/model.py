@@ -4,8 +4,9 @@ Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads 
 are silenced, for runs without a gap they draw.
 """
 
+import copy
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from stickslip.blocks.block import Block
@@ -17,10 +18,12 @@ from stickslip.blocks.sources import Constant
 from stickslip.diagram.diagram import Diagram
 from stickslip.engine.call import address, in_python
 from stickslip.gap.insertion.paths import noise_of
+from stickslip.gap.insertion.scales import ends
 from stickslip.gap.records.record import FEWEST, GapError, Record
 from stickslip.gap.records.regular import with_inputs_held, with_rows_filled
 from stickslip.logs import Log
 
+SHARE, PERCENT = 1.5, 100.0  # an output beyond the former is in percent
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
 RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
@@ -159,6 +162,23 @@ def compiled(diagram: Diagram) -> Diagram:
     return diagram
 
 
+def in_percent(diagram: Diagram, log: Log) -> tuple[Diagram, Log]:
+    """Return the diagram with outputs of controllers from 0 to 100 whose span nobody states and whose log says so."""
+    for block in diagram.blocks:
+        op = block.loop_signal("OP")
+        if block.role is not Role.CONTROLLER or op is None or op not in log or ends(diagram, str(op)) is not None:
+            continue
+        values = log[op][log.good(op)]
+        if len(values) and SHARE < float(np.max(values)) <= PERCENT:
+            other = copy.copy(block)
+            port = next(p.name for p, s in zip(block.ports_out, block.output_labels, strict=True) if s == op)
+            other.spans = {**block.spans, port: (0.0, PERCENT)}
+            diagram = diagram.replace(block.name, other)
+            note = f"{op} is taken to go from 0 to {PERCENT:g}, since no block states its span and the log says so."
+            log = replace(log, notes=(*log.notes, note))
+    return diagram, log
+
+
 def _noises(diagram: Diagram) -> set[str]:
     """Return the signals that are white noise of a sensor: a simulation writes them, a plant does not know them."""
     white = {nuisance.block for nuisance in nuisances(diagram) if nuisance.correlation_time == 0.0}
@@ -195,7 +215,7 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
             f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "
             "mend its times, or cut it at the gaps"
         )
-    opened = compiled(with_logged_sources(diagram, log))
+    opened, log = in_percent(compiled(with_logged_sources(diagram, log)), log)
     missing = [s for s in opened.open_inputs if s not in log]
     if missing:
         raise GapError(

@@ -8,6 +8,7 @@ from stickslip.blocks import SampledFunction, SampledPI, SampledSensor, Staircas
 from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
 from stickslip.gap.filters.checks import checks
+from stickslip.gap.insertion.scales import span
 from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
@@ -97,3 +98,12 @@ def test_a_controller_that_is_a_program_is_followed():
     left = [Hypothesis(when_switched(frame_of(*read(one, log)))).filtered({}).nll
             for one in (model(), model().replace("controller", own))]  # fmt: skip
     assert left[1] == pytest.approx(left[0], abs=1e-3)
+
+
+def test_an_output_in_percent_has_that_span_though_its_program_states_none():
+    own = SampledFunction("controller", program, dt=SCAN, inputs=["SP", "PV"], outputs="OP", state=(0.5, 0.5),
+                          params={"K_p": 100.0 * K}).with_role("controller", SP="SP", PV="PV", OP="OP")  # fmt: skip
+    log = logged(duration=600.0)
+    diagram, record = read(model().replace("controller", own), log.with_signals(OP=100.0 * log["OP"]))
+    assert span(diagram, "OP") == 100.0 and "OP is taken to go from 0 to 100" in record.log.notes[0]
+    assert span(read(model(), log)[0], "OP") == 1.0
