@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.gap.fits.coordinates import coordinate, moved, spreads, step, value
 from stickslip.gap.likelihood.hypothesis import ENDLESS, Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,6 @@ SETTLED = 0.1  # nats that a step must promise
 FINER, SMALL = 2, 1.0  # times that a probe is made finer that moves an innovation by more standard deviations
 STRAIGHT = 0.3  # share of its move that a probe of a tenth may leave of an innovation with a slope
 FELT = 1e-3  # information of a parameter below which the record says nothing of it
-WIDEST = 0.7  # largest change of a coordinate in one step
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,33 +51,12 @@ class Fit:
     @cached_property
     def sd(self) -> dict[str, float]:
         """Standard deviation of each parameter, in its unit."""
-        spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(self.I)), 0.0)) if len(self.names) else np.zeros(0)
-        one, values = self.hypothesis, self.best.values
-        return {
-            name: float(s) * (abs(values[name]) if logarithmic(one, name) else width(one, name))
-            for name, s in zip(self.names, spread, strict=True)
-        }
+        return spreads(self.hypothesis, self.names, self.best.values, self.I)
 
 
 def unfitted(best: Innovations) -> Fit:
     """Return these values as they are, none of them known to be free."""
     return Fit(best, (), np.zeros((0, 0)), np.zeros((0, *best.e.shape)))
-
-
-def logarithmic(one: Hypothesis, name: str) -> bool:
-    """Return whether a parameter is fitted by its logarithm."""
-    low, _ = one.bounds[name]
-    if name in one.frame.free:
-        return low > 0.0
-    spaced = one.effect is not None and any(p.name == name and p.spacing == "log" for p in one.effect.parameters)
-    return spaced and low > 0.0 and one.nominal[name] != 0.0
-
-
-def width(one: Hypothesis, name: str) -> float:
-    """Return the unit in which a parameter is fitted that is not fitted by its logarithm."""
-    low, high = one.bounds[name]
-    spaced = one.effect is not None and any(p.name == name and p.spacing == "log" for p in one.effect.parameters)
-    return math.sqrt(low * high) if spaced and low > 0.0 else high - low
 
 
 def tried(
@@ -104,17 +83,17 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near
     for _ in range(rounds):
         if not felt:
             break
-        moved = False
+        gained = 0.0
         for _ in range(4):
-            d, promised = _step(now, felt, g, information, damped)
+            d, promised = step(now.hypothesis, felt, now.values, g, information, damped)
             if promised < SETTLED:
                 break
             ahead = _at(now, felt, d, near)
             if ahead is not None and ahead.nll < now.nll - 1e-3:
-                gained, now, moved, damped = now.nll - ahead.nll, ahead, True, max(0.2 * damped, 1e-4)
+                gained, now, damped = now.nll - ahead.nll, ahead, max(0.2 * damped, 1e-4)
                 break
             damped *= 12.0
-        if not moved:
+        if gained == 0.0:
             break
         g, information, felt, slopes = _slopes(now, names)
         if gained < SETTLED:
@@ -125,9 +104,7 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near
 def _at(now: Innovations, names: Sequence[str], d: Floats, near: Innovations | None) -> Innovations | None:
     """Return what is left a step away."""
     one = now.hypothesis
-    at = np.array([coordinate(one, name, now.values[name]) for name in names])
-    values = {name: value(one, name, x) for name, x in zip(names, at + d, strict=True)}
-    return tried(one, {**now.values, **values}, near)
+    return tried(one, {**now.values, **moved(one, names, now.values, d)}, near)
 
 
 def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, list[str], Floats]:
@@ -138,16 +115,16 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
         if not math.isfinite(now.values[name]):
             continue
         at, high = coordinate(one, name, now.values[name]), coordinate(one, name, one.bounds[name][1])
-        step, bent = PROBE if at + PROBE <= high else -PROBE, np.zeros(now.e.shape, dtype=np.bool_)
+        by, bent = PROBE if at + PROBE <= high else -PROBE, np.zeros(now.e.shape, dtype=np.bool_)
         if name in one.noise_keys:
-            probe = one.noisier(now, {name: value(one, name, at + step)})
+            probe = one.noisier(now, {name: value(one, name, at + by)})
         else:
-            found = _probed(now, name, at, step)
+            found = _probed(now, name, at, by)
             if found is None:
                 continue
-            probe, step, bent = found
-        d = np.where(bent, 0.0, np.nan_to_num((probe.missed - now.missed) / np.sqrt(now.S) / step))
-        w = np.nan_to_num((np.log(probe.S) - np.log(now.S)) / step)
+            probe, by, bent = found
+        d = np.where(bent, 0.0, np.nan_to_num((probe.missed - now.missed) / np.sqrt(now.S) / by))
+        w = np.nan_to_num((np.log(probe.S) - np.log(now.S)) / by)
         e = np.nan_to_num(now.e)
         if float(np.sum(d[rows] ** 2) + 0.5 * np.sum(w[rows] ** 2)) < FELT:
             continue
@@ -189,36 +166,3 @@ def _probed(now: Innovations, name: str, at: float, step: float) -> tuple[Innova
 def _far(now: Innovations, probe: Innovations) -> float:
     """Return by how many standard deviations a probe moves the innovation that it moves most."""
     return float(np.nanmax(np.abs(probe.missed - now.missed) / np.sqrt(now.S), initial=0.0))
-
-
-def _step(
-    now: Innovations, names: Sequence[str], g: Floats, information: Floats, damped: float
-) -> tuple[Floats, float]:
-    """Return the step within bounds, and the nats that it promises."""
-    from scipy.optimize import lsq_linear
-
-    one = now.hypothesis
-    at = np.array([coordinate(one, name, now.values[name]) for name in names])
-    ends = np.array([[coordinate(one, name, end) for end in one.bounds[name]] for name in names])
-    widest = WIDEST * np.maximum(
-        1.0, [1.0 if logarithmic(one, name) else abs(x) for name, x in zip(names, at, strict=True)]
-    )
-    low = np.minimum(np.maximum(ends[:, 0] - at, -widest), -1e-12)
-    high = np.maximum(np.minimum(ends[:, 1] - at, widest), 1e-12)
-    A = information + damped * np.diag(np.diag(information)) + 1e-12 * np.eye(len(g)) * np.trace(information)
-    root = np.linalg.cholesky(A).T
-    d = np.asarray(lsq_linear(root, np.linalg.solve(root.T, -g), (low, high)).x)
-    return d, -float(g @ d + 0.5 * d @ information @ d)
-
-
-def coordinate(one: Hypothesis, name: str, size: float) -> float:
-    """Return the coordinate of a size of a parameter."""
-    low, high = one.bounds[name]
-    size = float(np.clip(size, low, high))
-    return math.log(size) if logarithmic(one, name) else size / width(one, name)
-
-
-def value(one: Hypothesis, name: str, x: float) -> float:
-    """Return the size of a parameter at a coordinate, within its bounds."""
-    size = math.exp(x) if logarithmic(one, name) else x * width(one, name)
-    return float(np.clip(size, *one.bounds[name]))

@@ -14,10 +14,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.effects.stiction import RestingStiction, Stiction
+from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import percent_in
 from stickslip.gap.likelihood.bank import left_by_bank
-from stickslip.gap.likelihood.fit import Fit, refined, width
+from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.known_stem import KnownStem
 from stickslip.gap.likelihood.switches import with_switches
