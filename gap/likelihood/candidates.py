@@ -103,11 +103,13 @@ def _races(one: Hypothesis) -> bool:
 def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
     """Return sizes fitted to the rows of ``alone``, the model without an effect; ``rough``: it in all rows."""
     if _races(one):
-        best = _on_first_rows(alone.hypothesis.frame, rough, one)
-        gain = 0.0 if best is None else alone.nll - best.nll
+        short = alone.hypothesis.frame
+        best = _on_first_rows(short, rough, one)
+        share = len(short.record.log) / len(rough.hypothesis.frame.record.log)
+        gain = 0.0 if best is None else (alone.nll - best.nll) / share  # as much in all rows
     else:
         best = _likeliest(tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one))
-        gain = 0.0 if best is None else PART * (rough.nll - best.nll)
+        gain = 0.0 if best is None else rough.nll - best.nll
     if best is None:
         return None
     own = {name: best.values[name] for name in one.own}
