@@ -36,6 +36,7 @@ class LoopFit(Shown):
     days : the records;  without, found : the likeliest loop without stick, and the one that is believed
     loops : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
     lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
+    begun : where the stem of each loop stands at the start beside OP (loops,) [unit of OP]
     evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
 
     >>> from stickslip.remedy.example import sticky
@@ -57,6 +58,7 @@ class LoopFit(Shown):
     sticks: bool
     evidence: Evidence | None
     lefts: tuple[tuple[Floats, ...], ...]
+    begun: Floats
     notes: tuple[str, ...]
 
     def each(self, key: str) -> Floats:

@@ -115,9 +115,10 @@ def _set(own: Mapping[str, float], setting: Setting) -> dict[str, float]:
 
 
 def _run(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
-) -> dict[str, Floats]:
-    """Signals (settings, loops, n) of each setting on each loop, which has its load."""
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats,
+    z: float = 0.0, begun: Floats | None = None,
+) -> dict[str, Floats]:  # fmt: skip
+    """Signals (settings, loops, n) of each setting on each loop, which has its load; its stem has ``begun`` there."""
     n, dt = len(sp), fit.controller.dt
     t = np.arange(n) * dt
     found = {name: np.empty((len(settings), len(loops), n)) for name in ("PV", "OP", "MV")}
@@ -128,8 +129,13 @@ def _run(
         plain = own[at[0], 1.0]
         columns = [_set(own[i, stick], setting) for setting, stick in zip(settings, sticks, strict=True) for i in at]
         differ = {key: np.array([each[key] for each in columns]) for key in plain}
-        begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
-        begin["controller.z"] = np.full(len(columns), z)
+        stem = np.zeros(len(at)) if begun is None else begun[at]
+        PV = [
+            x * one.K * (-one.tau_2 if one.integrating else 1.0)
+            for x, one in zip(stem, (loops[i] for i in at), strict=True)
+        ]
+        begin = {"lag.PV": stem, "process.PV": np.array(PV), "valve.MV": stem, "controller.z": np.full(len(at), z)}
+        begin = {key: np.tile(value, len(settings)) for key, value in begin.items()}
         values = ensemble(
             diagram_of(fit, loops[at[0]]), float(t[-1]), start=begin, times=t, signals=list(found), rtol=1e-5,
             params={key: each for key, each in differ.items() if np.any(each != plain[key])}, atol=1e-8, workers=1,
