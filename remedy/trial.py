@@ -44,7 +44,7 @@ Floats = NDArray[np.float64]
 MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
 LIKE = 1.25  # times as far as the log that a fitted loop may swing by itself, or the log as far as it
-MOSTLY = 0.5  # of the fitted loops that must
+FEWEST = 6  # fitted loops that must
 AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
 UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
@@ -150,40 +150,49 @@ def _run(
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
-    """What each setting gives on ``count`` loops, under the load of the record.
+    """What each setting gives on up to ``count`` loops, under the load of the record.
 
     The first setting is the loop as it is: fitted loops that are not stable with it, or stick and do not swing as the
-    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where most of them are.
+    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where fewer than ``FEWEST`` of them stay.
     """
     day = fit.days[0]
-    n = min(len(fit.lefts[0][0]), MOST)
-    loops, loads = fit.loops[:count], [own[0][:n] for own in fit.lefts[:count]]
-    sp = np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]
-    e = float(sp[0] - day.pv[0])
-    start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
-    found = _run(fit, loops, settings, loads, sp, start)
-    stays = np.max(np.abs(found["PV"] - day.pv[0]), axis=2) < AWAY * np.ptp(day.pv)  # (settings, loops)
+    n, base = min(len(fit.lefts[0][0]), MOST), float(day.pv[0])
+    loads, logged = np.array([own[0][:n] - base for own in fit.lefts]), day.pv[:n] - base
+    sp = (np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]) - base
+    start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * float(sp[0])  # OP is 0 at the start
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
-    swings = np.std((sp - found["PV"][0])[:, first:], axis=1) / np.std((sp - day.pv[:n])[first:])
-    stays &= not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE)
-    if np.mean(stays[0]) < MOSTLY:
-        raise FitError(
-            f"left as they are, the fitted loops swing {np.median(swings):.2g} times as far as the log, so that no "
-            "remedy can be tried on them; log the loop for longer"
-        )
+    (still,) = _run(fit, fit.loops, settings[:1], loads, sp, start, fit.begun)["PV"]
+    swings = np.std((sp - still)[:, first:], axis=1) / np.std((sp - logged)[first:])
+    ends = AWAY * np.ptp(day.pv)
+    like = (np.max(np.abs(still), axis=1) < ends) & (not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE))
+    if np.sum(like) < min(FEWEST, len(like)):
+        raise FitError(_unlike(fit, int(np.sum(like)), swings))
+    at = np.flatnonzero(like)[:count]
+    found = _run(fit, [fit.loops[i] for i in at], settings, loads[at], sp, start, fit.begun[at])
     made = []
-    for i, setting in enumerate(settings):
-        pv, op, stem = (
-            np.where(stays[i, :, None], found[name][i], math.nan)[stays[0]] for name in ("PV", "OP", "MV")
-        )  # fmt: skip
+    for setting, pv, op, stem in zip(settings, found["PV"], found["OP"], found["MV"], strict=True):
         values = (
-            np.std(sp[first:] - pv[:, first:], axis=1), np.std(op[:, first:], axis=1),
+            np.std((sp - pv)[:, first:], axis=1), np.std(op[:, first:], axis=1),
             np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
-        pv_sd, op_sd, travel, turns = (np.where(stays[i][stays[0]], own, math.inf) for own in values)
-        made.append(Outcome(setting, pv_sd, op_sd, travel, turns, pv[0], op[0] + float(day.op[0])))
+        stays = np.max(np.abs(pv), axis=1) < ends
+        sizes = (np.where(stays, own, math.inf) for own in values)
+        shown = math.nan if not stays[0] else 0.0
+        made.append(Outcome(setting, *sizes, pv[0] + base + shown, op[0] + float(day.op[0]) + shown))
     return made
+
+
+def _unlike(fit: LoopFit, like: int, swings: Floats) -> str:
+    """Why no remedy is tried on these loops, and what record would do."""
+    low, middle, high = np.nanpercentile(swings, [10.0, 50.0, 90.0])
+    hours = sum(float(day.t[-1] - day.t[0]) for day in fit.days) / 3600.0
+    return (
+        f"left as they are, {like} of {len(swings)} fitted loops swing {1.0 / LIKE:g} to {LIKE:g} times as far as the "
+        f"log, and {FEWEST} are needed to try a remedy on; the middle one swings {middle:.2g} times as far, most "
+        f"{low:.2g} to {high:.2g} times. The record does not tell valve and process well enough: log "
+        f"{2.0 * hours:.2g} h at the controller's scan, with some steps of SP"
+    )
 
 
 def _reversals(stem: Floats) -> int:
