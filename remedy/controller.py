@@ -160,13 +160,11 @@ def _line(
     near = np.abs(left) <= 4.0 * np.median(np.abs(left)) + 1e-12 * np.ptp(y)  # moves by hand, tags that come late
     if np.mean(near) > 0.5:
         b, *_ = np.linalg.lstsq(X[near] / size, y[near], rcond=None)
-    left = (y - X / size @ b)[near] if np.mean(near) > 0.5 else left
+        left, y = (y - X / size @ b)[near], y[near]
     variance = float(np.mean(left**2)) * m / len(left)
-    sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(y) / np.outer(size, size))), 0.0)) / size
+    sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(X) / np.outer(size, size))), 0.0)) / size
     b = b / size
-    explained = max(
-        1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0
-    )
+    explained = max(1.0 - float(np.sum(left**2) / max(np.sum(y**2), 1e-300)), 0.0)
     known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
     return float(known), b, sd, explained, m, float(np.mean(left**2))
 

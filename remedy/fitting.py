@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from stickslip.detect.likelihood.pooled import Evidence, evidence_of
+from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
@@ -19,7 +19,7 @@ from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
-from stickslip.remedy.process import Day, day_of, predicted
+from stickslip.remedy.process import day_of, predicted
 from stickslip.remedy.search import best_without
 from stickslip.remedy.weighing import weighed
 
@@ -86,8 +86,9 @@ def fit(
     progress("fitting the process without stick")
     kind = kind_of_tag(given[0]).integrating  # of the data, the likelihood of the whole loop says more
     without = best_without(days, kind, math.copysign(1.0, law.K_p))
-    evidence = _evidence(days)
+    stems = [one for day in days if (one := stems_of(day.op, day.pv)) is not None]
     progress("fitting the valve")
+    evidence = evidence_of(stems) if stems else None
     seen = weighed(days, without, evidence)
     if seen.starts[0].loop.K == 0.0:
         raise FitError("PV shows no answer to OP: the stem may stand still; log steps of OP in manual, or of SP")
@@ -113,9 +114,3 @@ def _left_out(record: LoopRecord, grid: Grid) -> list[str]:
     short = f"{used:.3g} h of {hours:.3g} h are fitted: the longest stretch without a gap, or its last part."
     thin = f"{100 * (1.0 - logged):.0f} % of the rows are not logged; PV goes in lines there, and OP stands."
     return [short] * (used < WHOLE * hours) + [thin] * (logged < WHOLE)
-
-
-def _evidence(days: Sequence[Day]) -> Evidence | None:
-    """The evidence of dead travel of all days; None where too little of them moves."""
-    stems = [one for day in days if (one := stems_of(day.op, day.pv)) is not None]
-    return evidence_of(stems) if stems else None

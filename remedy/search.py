@@ -67,7 +67,7 @@ def best_without(days: Sequence[Day], integrating: bool | None, way: float) -> l
             for late in DELAYS
         ]
         best = min(tried, key=lambda one: one.nll).loop
-        found.append(_better(days, _weighed(days, best, start_noise(days, kind)), PLAIN))
+        found.append(_near(days, best, PLAIN))
     return sorted(found, key=lambda one: one.nll)
 
 
@@ -111,7 +111,7 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
 def freed(days: Sequence[Day], stuck: Sequence[Found]) -> list[Found]:
     """The likeliest loops without stick near the processes of those that stick, the likeliest of each kind."""
     kinds = {one.loop.integrating: replace(one.loop, S=0.0, J=0.0) for one in reversed(stuck)}
-    return [_better(days, _weighed(days, one, start_noise(days, kind)), PLAIN) for kind, one in kinds.items()]
+    return [_near(days, one, PLAIN) for one in kinds.values()]
 
 
 def _of_the_other_kind(days: Sequence[Day], best: Found) -> Found:
@@ -122,7 +122,12 @@ def _of_the_other_kind(days: Sequence[Day], best: Found) -> Found:
     one, kind = best.loop, not best.loop.integrating
     slow = max(one.tau, days[0].dt) if kind else half_wave(days)
     other = replace(one, integrating=kind, tau=slow, K=one.K / slow if kind else one.K * slow)
-    return _better(days, _weighed(days, other, start_noise(days, kind)), CROSSED)
+    return _near(days, other, CROSSED)
+
+
+def _near(days: Sequence[Day], one: Loop, tries: int) -> Found:
+    """The likeliest loop near this one."""
+    return _better(days, _weighed(days, one, start_noise(days, one.integrating)), tries)
 
 
 def _followed(

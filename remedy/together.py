@@ -6,8 +6,8 @@
 T is the temperature of the population, so that the loops of one time weigh as much as the log of the other.  The loops
 are those of the time that shows a stick, which say more of the loop; where both do, or none, those of each time are
 asked in turn: what differs by a fault of one fit does not differ the other way round.  Load and noise are each time's
-own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
-made better by the simplex of Nelder and Mead.  r stays: a stem that may slip anywhere has any S.
+own.  Each part is tried at some ``FACTORS`` beside some loops, and the best made better by the simplex of Nelder and
+Mead.  r stays: a stem that may slip anywhere has any S.
 A bank's likelihood varies with its random numbers.  It has no bias, its logarithm has: the mean of others counts.
 """
 

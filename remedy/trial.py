@@ -10,7 +10,7 @@ deviations from OP at the start; the valve takes a sample with the controller, a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -104,38 +104,30 @@ def _blocks(fit: LoopFit, one: Loop) -> list[Block]:
     return [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
 
 
-def _parameters(fit: LoopFit, one: Loop, stick: float = 1.0) -> dict[str, float]:
-    """All parameters of the loop with so much of its stick and no remedy."""
+def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
+    """All parameters of the loop with a setting."""
+    factors, stick = setting.factors, setting.factors.get("stick", 1.0)
     blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
-    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
-
-
-def _set(own: Mapping[str, float], setting: Setting) -> dict[str, float]:
-    return {key: value * setting.factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
+    own = {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
+    return {key: value * factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
 
 
 def _run(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats,
-    z: float = 0.0, begun: Floats | None = None,
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
+    begun: Floats,
 ) -> dict[str, Floats]:  # fmt: skip
-    """Signals (settings, loops, n) of each setting on each loop, which has its load; its stem has ``begun`` there."""
+    """Signals (settings, loops, n) of each setting on each loop, which has its load; PV is 0 and its stem ``begun``."""
     n, dt = len(sp), fit.controller.dt
     t = np.arange(n) * dt
     found = {name: np.empty((len(settings), len(loops), n)) for name in ("PV", "OP", "MV")}
     for follows in {one.follows for one in loops}:
         at = [i for i, one in enumerate(loops) if one.follows == follows]
-        sticks = [setting.factors.get("stick", 1.0) for setting in settings]
-        own = {(i, stick): _parameters(fit, loops[i], stick) for i in at for stick in {1.0, *sticks}}
-        plain = own[at[0], 1.0]
-        columns = [_set(own[i, stick], setting) for setting, stick in zip(settings, sticks, strict=True) for i in at]
+        plain = _parameters(fit, loops[at[0]], NOTHING)
+        columns = [_parameters(fit, loops[i], setting) for setting in settings for i in at]
         differ = {key: np.array([each[key] for each in columns]) for key in plain}
-        stem = np.zeros(len(at)) if begun is None else begun[at]
-        PV = [
-            x * one.K * (-one.tau_2 if one.integrating else 1.0)
-            for x, one in zip(stem, (loops[i] for i in at), strict=True)
-        ]
-        begin = {"lag.PV": stem, "process.PV": np.array(PV), "valve.MV": stem, "controller.z": np.full(len(at), z)}
-        begin = {key: np.tile(value, len(settings)) for key, value in begin.items()}
+        stems, rest = (np.tile(one, len(settings)) for one in (begun[at], [-loads[i][0] for i in at]))
+        differ["process.theta_start"] = stems
+        begin = {"valve.MV": stems, "lag.PV": stems, "process.PV": rest, "controller.z": np.full(len(stems), z)}
         values = ensemble(
             diagram_of(fit, loops[at[0]]), float(t[-1]), start=begin, times=t, signals=list(found), rtol=1e-5,
             params={key: each for key, each in differ.items() if np.any(each != plain[key])}, atol=1e-8, workers=1,
@@ -212,8 +204,8 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     ways = [t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt)) for one in loops]
     loads = [np.asarray(one.K * way) for one, way in zip(loops, ways, strict=True)]
     plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0)["PV"] - 1.0
-    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0)["PV"]
+    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0, np.zeros(len(loops)))["PV"] - 1.0
+    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0, np.zeros(len(loops)))["PV"]
     return [
         (
             np.array([_settled(own, 0.05, dt) for own in after_step]),

@@ -61,14 +61,11 @@ def weighed(days: Sequence[Day], without: Sequence[Found], evidence: Evidence | 
     without = sorted([*without, *freed(days, stuck)], key=lambda one: one.nll)
     base, least = predicted(days, without[0].loop, without[0].noises).each, GAIN if evidence.accuses else SURE
     kinds: dict[bool, Weighed] = {}
-    for one in stuck:
-        kind = one.loop.integrating
-        if kind not in kinds:
-            each = fresh(days, one) - base
-            blocks = np.array([block.sum() for block in np.array_split(each, BLOCKS)])
-            z = float(blocks.sum() / (math.sqrt(BLOCKS) * np.std(blocks, ddof=1) + 1e-300))
-            gain = float(each.sum()) - max(evidence.bends, 0.0)
-            kinds[kind] = Weighed(gain, z, gain >= least and z >= EVERYWHERE, without[0], without)
+    for kind, one in {one.loop.integrating: one for one in reversed(stuck)}.items():
+        blocks = np.array([block.sum() for block in np.array_split(fresh(days, one) - base, BLOCKS)])
+        z = float(blocks.sum() / (math.sqrt(BLOCKS) * np.std(blocks, ddof=1) + 1e-300))
+        gain = float(blocks.sum()) - max(evidence.bends, 0.0)
+        kinds[kind] = Weighed(gain, z, gain >= least and z >= EVERYWHERE, without[0], without)
     best = max(kinds.values(), key=lambda each: (each.sticks, each.gain))
     starts = [one for one in stuck if kinds[one.loop.integrating].sticks]
     return Weighed(best.gain, best.z, best.sticks, best.without, starts or without)
