@@ -14,7 +14,6 @@ filter of one number follows it, and it is drawn from what that says once the st
 where weights are uneven; where the best of them misses a row by far, half are put anywhere within the band in which a
 stem can stick.
 
-Stems stand beside each other in the last place of every array, so that the processor takes several at once.
 What is shown is one likely path, with its past: the stem of most weight at the end, back through the draws.  The mean
 of stems that differ is no stem, and a gain by least squares behind it comes out too small.
 Source: Rao-Blackwellised particle filter (Doucet, de Freitas, Murphy and Russell, UAI 2000); that of

@@ -67,18 +67,11 @@ class Controller:
 
 def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, float]:
     """The limits of OP: where it rests at an extreme for some rows, else its span, else none."""
-    low, high = span or (-math.inf, math.inf)
-    if span is None or np.ptp(op) > 0.0:
-        low = float(op.min()) if _runs(op == op.min()) else low
-        high = float(op.max()) if _runs(op == op.max()) else high
-    return low, high
-
-
-def _runs(at: NDArray[np.bool_]) -> bool:
-    """Whether there is a run of ``AT_LIMIT`` True."""
-    padded = np.concatenate([[0], at.astype(int), [0]])
-    edges = np.flatnonzero(np.diff(padded))
-    return bool(len(edges) and (edges[1::2] - edges[::2]).max() >= AT_LIMIT)
+    found = span or (-math.inf, math.inf)
+    ends = (float(op.min()), float(op.max()))
+    rests = [np.max(np.convolve(op == end, np.ones(AT_LIMIT), "valid")) > AT_LIMIT - 0.5 for end in ends]
+    rests = [own and (span is None or ends[0] < ends[1]) for own in rests]
+    return ends[0] if rests[0] else found[0], ends[1] if rests[1] else found[1]
 
 
 def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: tuple[float, float]) -> Controller:

@@ -48,6 +48,7 @@ FEWEST = 6  # fitted loops that must
 AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
 UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
+TUNING = {"controller.K_p", "controller.T_i"}  # what acts against stick makes no sense without it
 NOTHING = Setting("as it is", {})
 
 
@@ -149,7 +150,7 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     """
     day = fit.days[0]
     n, base = min(len(fit.lefts[0][0]), MOST), float(day.pv[0])
-    loads, logged = np.array([own[0][:n] - base for own in fit.lefts]), day.pv[:n] - base
+    loads, logged = [own[0][:n] - base for own in fit.lefts], day.pv[:n] - base
     sp = (np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]) - base
     start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * float(sp[0])  # OP is 0 at the start
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
@@ -160,7 +161,7 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     if np.sum(like) < min(FEWEST, len(like)):
         raise FitError(_unlike(fit, int(np.sum(like)), swings))
     at = np.flatnonzero(like)[:count]
-    found = _run(fit, [fit.loops[i] for i in at], settings, loads[at], sp, start, fit.begun[at])
+    found = _run(fit, [fit.loops[i] for i in at], settings, [loads[i] for i in at], sp, start, fit.begun[at])
     made = []
     for setting, pv, op, stem in zip(settings, found["PV"], found["OP"], found["MV"], strict=True):
         values = (
@@ -169,9 +170,9 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
         stays = np.max(np.abs(pv), axis=1) < ends
-        sizes = (np.where(stays, own, math.inf) for own in values)
-        shown = math.nan if not stays[0] else 0.0
-        made.append(Outcome(setting, *sizes, pv[0] + base + shown, op[0] + float(day.op[0]) + shown))
+        sd, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
+        pv_0, op_0 = base + (0.0 if stays[0] else math.nan), float(day.op[0])
+        made.append(Outcome(setting, sd, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
     return made
 
 
@@ -203,7 +204,7 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     t, none = np.arange(STEP) * dt, [np.zeros(STEP)] * len(loops)
     ways = [t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt)) for one in loops]
     loads = [np.asarray(one.K * way) for one, way in zip(loops, ways, strict=True)]
-    plain = [_tuning_alone(setting) for setting in settings]
+    plain = [replace(one, params={key: one.params[key] for key in TUNING & one.params.keys()}) for one in settings]
     steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0, np.zeros(len(loops)))["PV"] - 1.0
     pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0, np.zeros(len(loops)))["PV"]
     return [
@@ -213,12 +214,6 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
         )
         for after_step, after_load in zip(steps, pushed, strict=True)
     ]
-
-
-def _tuning_alone(setting: Setting) -> Setting:
-    """The tuning of a setting alone: what acts against stick makes no sense without it."""
-    own = {key: value for key, value in setting.params.items() if key in ("controller.K_p", "controller.T_i")}
-    return Setting(setting.words, setting.values, own, setting.factors)
 
 
 def _settled(e: Floats, band: float, dt: float) -> float:
