@@ -7,11 +7,10 @@ cost      a fit -> what it costs to leave the stick: variability and travel
 python_of a fit -> the loop as a Python file to edit
 """
 
-from stickslip.remedy.advice import Advice, remedies
+from stickslip.remedy.advice import Advice, Cost, cost, remedies
 from stickslip.remedy.change import Change, Changes
 from stickslip.remedy.changing import changes, lacks
 from stickslip.remedy.fitting import FitError, fit
-from stickslip.remedy.leaving import Cost, cost
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.python_file import python_of
 

@@ -13,15 +13,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import series
-from stickslip.remedy.leaving import Cost, cost_between
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures import REMEDIES
+from stickslip.remedy.measures.repair import FREE
 from stickslip.remedy.measures.setting import Situation
 from stickslip.remedy.size import Size, size_of, widened
 from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settling
@@ -29,12 +30,40 @@ from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settlin
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Advice", "Tried", "remedies", "score"]
+__all__ = ["Advice", "Cost", "Tried", "cost", "remedies", "score"]
 
 Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
 LONG = "longer than the run"
 SURE = 0.9  # share of the fitted loops, widened, that swing less
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What it costs to leave the stick, under the load of the record: nothing in a loop in which none is believed.
+
+    ratio : sd of SP - PV with stick over that without [-];  travel : with stick less without [unit of OP per h]
+    """
+
+    ratio: Size
+    travel: Size
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"pv_sd_ratio": self.ratio.to_dict(), "travel_per_h": self.travel.to_dict()}
+
+    def words(self, unit: str) -> str:
+        """It in a sentence."""
+        swing, more = f"With the stick SP - PV swings {self.ratio} times as far", self.travel
+        word = "more"
+        if more.value is not None and more.value < 0.0:  # a free stem follows the noise in OP too
+            more, word = Size(-more.value, -(more.high or 0.0), -(more.low or 0.0)), "less"
+        return f"{swing}, and the stem travels {more} {unit}/h {word}."
+
+    @classmethod
+    def between(cls, none: Outcome, free: Outcome) -> Self:
+        """The cost from what loops do as they are and without stick."""
+        return cls(size_of(none.pv_sd / np.maximum(free.pv_sd, 1e-300)), size_of(none.travel - free.travel))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +115,7 @@ class Advice(Shown):
     def cost(self) -> Cost:
         """What it costs to leave the stick."""
         free = next((one.outcome for one in self.tried if one.name == "valve repaired"), self.none.outcome)
-        return cost_between(self.none.outcome, free)
+        return Cost.between(self.none.outcome, free)
 
     @property
     def headline(self) -> str:
@@ -176,7 +205,7 @@ def _situation(fit: LoopFit) -> Situation:
     e = day.pv - (np.mean(day.pv) if day.sp is None else day.sp)
     lag = middle("tau_2") + (0.0 if fit.best.integrating else middle("tau"))
     return Situation(
-        K_p, T_i, fit.controller.dt, fit.sticks * middle("S"), fit.sticks * middle("J"), middle("K"), lag,
+        K_p, T_i, fit.controller.dt, middle("S"), middle("J"), middle("K"), lag,
         middle("theta"), fit.noise_sd.value or 0.0, float(np.std(e)), fit.best.integrating, fit.K.value is not None,
         fit.op_unit, fit.pv_unit or "PV",
     )  # fmt: skip
@@ -198,31 +227,39 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     (1.05, True)
     """
     at = _situation(fit)
-    known = () if fit.doubt else REMEDIES  # behind a stem that may stand still no trial says anything
-    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in known]
-    plans = [plan for plan in plans if plan[3]]
-    settings = [NOTHING, *(setting for plan in plans for setting in plan[3])]
+    plans = [(one, own) for one in REMEDIES * fit.sticks if (own := one.settings(at))]
+    settings = [NOTHING, *(setting for _, own in plans for setting in own)]
     progress(f"trying {len(settings) - 1} settings of {len(plans)} remedies on the fitted loops")
-    found = outcomes(fit, settings)
-    none, left, chosen = found[0], found[1:], []
-    for name, shutdown, not_for, own in plans:
-        mine, left = left[: len(own)], left[len(own) :]
-        best = min(mine, key=lambda one: score(one, none))
-        chosen.append((name, shutdown, not_for, best))
-    times = settling(fit, [NOTHING, *(best.setting for *_, best in chosen)])
+    none, *found = outcomes(fit, settings)
+    left = iter(found)
+    chosen = [("none", False, "", none)] + [
+        (one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, min(islice(left, len(own)), key=lambda each: score(each, none)))
+        for one, own in plans
+    ]
+    times = settling(fit, [best.setting for *_, best in chosen])
     tried = [
         Tried(
             name, shutdown, not_for, best, score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
             size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
-        for (name, shutdown, not_for, best), (sp, load) in zip(
-            [("none", False, "", none), *chosen], times, strict=True
-        )
+        for (name, shutdown, not_for, best), (sp, load) in zip(chosen, times, strict=True)
     ]  # fmt: skip
-    allowed = [
-        one for one in tried[1:] if fit.sticks and one.better >= SURE and one.score < tried[0].score
-    ]  # fmt: skip
+    allowed = [one for one in tried[1:] if one.better >= SURE and one.score < tried[0].score]
     allowed.sort(key=lambda one: one.score)
     until = next((one.name for one in allowed if not one.at_shutdown), None)
     shut = next((one.name for one in allowed if one.at_shutdown), None)
     return Advice(fit, tried[0], tuple(tried[1:]), until, shut or until)
+
+
+def cost(fit: LoopFit) -> Cost:
+    """Return what the stick of a fitted loop costs.
+
+    >>> from stickslip.remedy import fit
+    >>> from stickslip.remedy.example import sticky
+    >>> cost(fit(sticky())).ratio.value > 1.2
+    True
+    """
+    if not fit.sticks:
+        return Cost(Size(1.0, 1.0, 1.0), Size(0.0, 0.0, 0.0))
+    none, free = outcomes(fit, [NOTHING, FREE])
+    return Cost.between(none, free)

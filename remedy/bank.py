@@ -14,7 +14,6 @@ filter of one number follows it, and it is drawn from what that says once the st
 where weights are uneven; where the best of them misses a row by far, half are put anywhere within the band in which a
 stem can stick.
 
-Stems stand beside each other in the last place of every array, so that the processor takes several at once.
 What is shown is one likely path, with its past: the stem of most weight at the end, back through the draws.  The mean
 of stems that differ is no stem, and a gain by least squares behind it comes out too small.
 Source: Rao-Blackwellised particle filter (Doucet, de Freitas, Murphy and Russell, UAI 2000); that of
@@ -37,9 +36,9 @@ NORMAL = math.lgamma(0.5 * (NU + 1.0)) - math.lgamma(0.5 * NU) - 0.5 * math.log(
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]
 def passed(  # type: ignore[no-untyped-def]
-    u, y, q, dt, follows, S, J, r, integrating, tau, tau_2, theta, K, a, c, d, s, noise, shown
-) -> Any:
-    """Return the log-likelihood of rows y (n,) of ``q`` samples of OP u; write a likely path to ``shown``.
+    u, y, q, dt, follows, S, J, r, integrating, tau, tau_2, theta, K, a, c, d, s, noise, shown, each
+) -> None:
+    """Write the log-likelihood of rows y (n,) of ``q`` samples of OP u to ``each``, and a likely path to ``shown``.
 
     ``follows``: a stem that moves goes on with OP; ``noise`` (2, samples, stems) normal deviates.
     ``shown`` (2, samples): the stem that is likeliest at the end, with its past, and its answer with K = 1.
@@ -65,7 +64,7 @@ def passed(  # type: ignore[no-untyped-def]
     first, second, summed, rows, seen = _step_tables(
         n * q if S > 0.0 else 1, q, K, lags, turns, whole, share, keeps, takes, keeps_2, blends
     )
-    found, moving, astray = 0.0, 0, False
+    moving, astray = 0, False
     stems, parents, was_off = (
         np.empty((n * q, M)),
         np.empty((n, M), dtype=np.int16),
@@ -154,7 +153,7 @@ def passed(  # type: ignore[no-untyped-def]
         for i in range(M):  # apart, for the processor takes several stems at once above
             mixed += kept[i]
             best = min(best, away[i])
-        found += math.log(mixed) + NORMAL - math.log(s)
+        each[row] = math.log(mixed) + NORMAL - math.log(s)
         if S <= 0.0:
             continue
         uneven = 0.0
@@ -200,7 +199,6 @@ def passed(  # type: ignore[no-untyped-def]
         if not math.isnan(was_off[k, i]):
             o = was_off[k, i]
     _answer(begun[i], whole, share, keeps, takes, keeps_2, blends, 0.0 if integrating else begun[i], shown)
-    return found
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -9,22 +9,20 @@ from stickslip.remedy.size import Size
 
 __all__ = ["COUNTS", "Change", "Changes"]
 
-COUNTS = {
-    "controller_gain": 0.15, "controller_integral_time": 0.15, "stiction": 0.4, "process_gain": 0.25,
-    "process_time_constant": 0.4, "dead_time": 0.3, "sensor_noise": 0.5, "disturbance": 0.6, "sensor_drift": 1.0,
-}  # fmt: skip  # logarithms of ratios that count; of a level, what it moves over the spread about it
-PLACES = {
-    "controller_gain": "controller", "controller_integral_time": "controller", "stiction": "valve",
-    "process_gain": "process", "process_time_constant": "process", "dead_time": "process", "sensor_noise": "sensor",
-    "disturbance": "load", "sensor_drift": "sensor",
-}  # fmt: skip
-WORDS = {
-    "controller_gain": "The controller's gain K_p", "controller_integral_time": "The controller's T_i",
-    "stiction": "The dead travel S of the valve", "process_gain": "The gain K of the process",
-    "process_time_constant": "The lags of the process", "dead_time": "The dead time",
-    "sensor_noise": "The noise of the sensor", "disturbance": "The load",
-    "sensor_drift": "What PV shows beside the flow of the valve, by the sensor or a load that stays,",
-}  # fmt: skip
+_OF = {  # its place, the logarithm of a ratio that counts (of a level, its move over the spread about it), its words
+    "controller_gain": ("controller", 0.15, "The controller's gain K_p"),
+    "controller_integral_time": ("controller", 0.15, "The controller's T_i"),
+    "stiction": ("valve", 0.4, "The dead travel S of the valve"),
+    "process_gain": ("process", 0.25, "The gain K of the process"),
+    "process_time_constant": ("process", 0.4, "The lags of the process"),
+    "dead_time": ("process", 0.3, "The dead time"),
+    "sensor_noise": ("sensor", 0.5, "The noise of the sensor"),
+    "disturbance": ("load", 0.6, "The load"),
+    "sensor_drift": ("sensor", 1.0, "What PV shows beside the flow of the valve, by the sensor or a load that stays,"),
+}
+PLACES = {effect: place for effect, (place, _, _) in _OF.items()}
+COUNTS = {effect: counts for effect, (_, counts, _) in _OF.items()}
+WORDS = {effect: words for effect, (_, _, words) in _OF.items()}
 
 
 @dataclass(frozen=True)

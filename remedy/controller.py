@@ -67,18 +67,11 @@ class Controller:
 
 def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, float]:
     """The limits of OP: where it rests at an extreme for some rows, else its span, else none."""
-    low, high = span or (-math.inf, math.inf)
-    if span is None or np.ptp(op) > 0.0:
-        low = float(op.min()) if _runs(op == op.min()) else low
-        high = float(op.max()) if _runs(op == op.max()) else high
-    return low, high
-
-
-def _runs(at: NDArray[np.bool_]) -> bool:
-    """Whether there is a run of ``AT_LIMIT`` True."""
-    padded = np.concatenate([[0], at.astype(int), [0]])
-    edges = np.flatnonzero(np.diff(padded))
-    return bool(len(edges) and (edges[1::2] - edges[::2]).max() >= AT_LIMIT)
+    found = span or (-math.inf, math.inf)
+    ends = (float(op.min()), float(op.max()))
+    rests = [np.max(np.convolve(op == end, np.ones(AT_LIMIT), "valid")) > AT_LIMIT - 0.5 for end in ends]
+    rests = [own and (span is None or ends[0] < ends[1]) for own in rests]
+    return ends[0] if rests[0] else found[0], ends[1] if rests[1] else found[1]
 
 
 def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: tuple[float, float]) -> Controller:
@@ -160,13 +153,11 @@ def _line(
     near = np.abs(left) <= 4.0 * np.median(np.abs(left)) + 1e-12 * np.ptp(y)  # moves by hand, tags that come late
     if np.mean(near) > 0.5:
         b, *_ = np.linalg.lstsq(X[near] / size, y[near], rcond=None)
-    left = (y - X / size @ b)[near] if np.mean(near) > 0.5 else left
+        left, y = (y - X / size @ b)[near], y[near]
     variance = float(np.mean(left**2)) * m / len(left)
-    sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(y) / np.outer(size, size))), 0.0)) / size
+    sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(X) / np.outer(size, size))), 0.0)) / size
     b = b / size
-    explained = max(
-        1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0
-    )
+    explained = max(1.0 - float(np.sum(left**2) / max(np.sum(y**2), 1e-300)), 0.0)
     known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
     return float(known), b, sd, explained, m, float(np.mean(left**2))
 

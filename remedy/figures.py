@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
+from stickslip.remedy.left import whitened
 from stickslip.remedy.process import predicted
 from stickslip.remedy.size import widened
 from stickslip.remedy.trial import SKIPPED
@@ -31,10 +32,8 @@ def plot_fit(fit: LoopFit) -> Figure:
     answer = fit.best.K * shown[1]
     y, x = day.rows, answer.reshape(-1, day.q).mean(axis=1)
     line = noise.c + noise.d * np.arange(len(y))
-    v = y - x - line
-    ahead = x + line
-    for k, share in enumerate(noise.a, 1):
-        ahead[k:] += share * v[:-k]
+    ahead = y.copy()
+    ahead[len(noise.a) :] -= whitened(y - x - line, noise.a)
     figure = Picture(figsize=(9.6, 5.2), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     t = day.t[:n] - day.t[0]

@@ -1,11 +1,8 @@
 """Fit a loop to its own log: controller from OP, SP and PV; valve and process by likelihood; load and noise, the rest.
 
-    1  the controller is read off (``controller``)
-    2  the likeliest loop without stick, and with it (``search``); the stick is believed where it gains
-    3  a population of loops about as likely; what each leaves of PV is its load and noise
-
-The stick is believed where it gains ``SURE`` nats over the best loop without it, or ``GAIN`` where the dead travel of
-``stickslip.detect.likelihood`` accuses too, which weighs rivals: a bent characteristic, a sensor with hysteresis.
+1  the controller is read off (``controller``)
+2  the likeliest loop without stick, and with it (``search``); the stick is believed where it gains (``weighing``)
+3  a population of loops about as likely; what each leaves of PV is its load and noise
 """
 
 from __future__ import annotations
@@ -14,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from stickslip.detect.likelihood.pooled import Evidence, evidence_of
+from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
@@ -22,12 +19,12 @@ from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
-from stickslip.remedy.process import Day, day_of, predicted
-from stickslip.remedy.search import best_with, best_without
+from stickslip.remedy.process import day_of, predicted
+from stickslip.remedy.search import best_without
+from stickslip.remedy.weighing import weighed
 
 __all__ = ["FitError", "fit"]
 
-GAIN, SURE = 10.0, 20.0  # nats
 FEWEST = 200  # samples
 WHOLE = 0.9  # of a record and of its rows, below which it is said
 
@@ -89,31 +86,24 @@ def fit(
     progress("fitting the process without stick")
     kind = kind_of_tag(given[0]).integrating  # of the data, the likelihood of the whole loop says more
     without = best_without(days, kind, math.copysign(1.0, law.K_p))
-    evidence = _evidence(days)
-    starts, gain, sticks = without, 0.0, False
-    if evidence is not None:
-        progress("fitting the valve")
-        stuck = best_with(days, without, evidence.S)
-        gain = without[0].nll - stuck[0].nll
-        sticks = gain >= SURE or (gain >= GAIN and evidence.accuses)
-        starts = stuck if sticks else starts
-    if starts[0].loop.K == 0.0:
+    stems = [one for day in days if (one := stems_of(day.op, day.pv)) is not None]
+    progress("fitting the valve")
+    evidence = evidence_of(stems) if stems else None
+    seen = weighed(days, without, evidence)
+    if seen.starts[0].loop.K == 0.0:
         raise FitError("PV shows no answer to OP: the stem may stand still; log steps of OP in manual, or of SP")
     progress("drawing loops that are about as likely")
-    best, likely = population_of(days, starts, seed)
-    if not sticks and gain >= GAIN:
-        notes.append(f"A stick would gain {gain:.0f} nats, which is not enough to believe it.")
+    best, likely = population_of(days, seen.starts, seed)
+    notes += [seen.note] * bool(seen.note)
+    paths = [predicted(days, one, best.noises).shown for one in likely]
     lefts = tuple(
-        tuple(
-            day.pv[: own.shape[1]] - one.K * own[1]
-            for own, day in zip(predicted(days, one, best.noises).shown, days, strict=True)
-        )
-        for one in likely
+        tuple(day.pv[: own.shape[1]] - one.K * own[1] for own, day in zip(path, days, strict=True))
+        for one, path in zip(likely, paths, strict=True)
     )
     return LoopFit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
-        given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, likely, gain, sticks,
-        evidence, lefts, tuple(notes),
+        given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), seen.without, best, likely, seen.gain,
+        seen.sticks, evidence, lefts, np.array([path[0][0, 0] for path in paths]), tuple(notes),
     )  # fmt: skip
 
 
@@ -124,9 +114,3 @@ def _left_out(record: LoopRecord, grid: Grid) -> list[str]:
     short = f"{used:.3g} h of {hours:.3g} h are fitted: the longest stretch without a gap, or its last part."
     thin = f"{100 * (1.0 - logged):.0f} % of the rows are not logged; PV goes in lines there, and OP stands."
     return [short] * (used < WHOLE * hours) + [thin] * (logged < WHOLE)
-
-
-def _evidence(days: Sequence[Day]) -> Evidence | None:
-    """The evidence of dead travel of all days; None where too little of them moves."""
-    stems = [one for day in days if (one := stems_of(day.op, day.pv)) is not None]
-    return evidence_of(stems) if stems else None

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.detect.judge.actions import confirming_steps
-from stickslip.detect.likelihood.pooled import ANSWERS_NATS, FINEST_SAMPLES, TURNS
+from stickslip.detect.likelihood.words import hides
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import Controller
 from stickslip.remedy.process import Day, Found, Loop
@@ -36,6 +36,7 @@ class LoopFit(Shown):
     days : the records;  without, found : the likeliest loop without stick, and the one that is believed
     loops : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
     lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
+    begun : where the stem of each loop stands at the start beside OP (loops,) [unit of OP]
     evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
 
     >>> from stickslip.remedy.example import sticky
@@ -57,6 +58,7 @@ class LoopFit(Shown):
     sticks: bool
     evidence: Evidence | None
     lefts: tuple[tuple[Floats, ...], ...]
+    begun: Floats
     notes: tuple[str, ...]
 
     def each(self, key: str) -> Floats:
@@ -85,16 +87,8 @@ class LoopFit(Shown):
         """Why the record does not tell whether the valve sticks, and what would; "" where it does."""
         if self.verdict != "inconclusive":
             return ""
-        seen = self.evidence
         low, high = np.percentile(np.concatenate([day.op for day in self.days]), [2.0, 98.0])
-        if seen is None or seen.answers < ANSWERS_NATS:
-            why = "PV shows no answer to that: the stem stands still, or the load hides it"
-        elif seen.turned < TURNS:
-            why = f"OP turns back {seen.turned} times; {TURNS} are needed"
-        elif seen.coarse:
-            why = f"there are {seen.between:.0f} samples between two turns; {FINEST_SAMPLES:.0f} are needed"
-        else:
-            why = "PV answers, but a stick is not excluded"
+        why = hides(self.evidence, self.op_unit) if self.evidence else "PV shows no answer to it"
         travel = f"{high - low:.3g} {self.op_unit.removesuffix(' of OP')}"
         return (
             f"The record does not tell whether the valve sticks. OP travels {travel}, and {why}. "

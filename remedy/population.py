@@ -64,10 +64,8 @@ def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found
     A process that settles has one value more than one that integrates, and pays ln(rows)/2 for it, as tempered nats.
     """
     pays = 0.5 * TEMPER * math.log(sum(len(day.rows) for day in days))
-    luck: dict[bool, list[float]] = {}
-    for one in starts:
-        if one.loop.integrating not in luck:
-            luck[one.loop.integrating] = [profiled(days, one.loop, one.noises, draw).nll for draw in range(1, 7)]
+    firsts = {one.loop.integrating: one for one in reversed(starts)}
+    luck = {k: [profiled(days, one.loop, one.noises, draw).nll for draw in range(1, 7)] for k, one in firsts.items()}
     kind = min(luck, key=lambda each: float(np.mean(luck[each])) + (0.0 if each else pays))
     return [one for one in starts if one.loop.integrating == kind], luck[kind]
 

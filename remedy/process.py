@@ -21,13 +21,17 @@ from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
 
-__all__ = ["Day", "Found", "Loop", "Predicted", "beside", "day_of", "predicted", "profiled", "settled", "start_noise"]
+__all__ = [
+    "DRAWS", "Day", "Found", "Loop", "Predicted", "beside", "day_of", "fresh", "predicted", "profiled", "settled",
+    "start_noise",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 FINE = 25.0  # rows between two turns of OP: within a coarse row the controller answers, and the gain comes out wrong
 MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
 SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
+DRAWS = range(1, 9)  # of random numbers, beside 0 of the search
 QUIET = 0.002  # of PV's spread: noise below it is taken for none
 
 
@@ -97,10 +101,15 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class Predicted:
-    """What a loop says of the days: ``nll`` [nats]; of each day the mean stem and the answer with K = 1, (2, n)."""
+    """What a loop says of the days: the likelihood of ``each`` row [nats]; of each day a stem and its answer."""
 
-    nll: float
+    each: Floats
     shown: tuple[Floats, ...]
+
+    @property
+    def nll(self) -> float:
+        """The negative log-likelihood of all rows [nats]."""
+        return -float(self.each.sum())
 
 
 def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
@@ -141,18 +150,26 @@ def predicted(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int 
     """The likelihood of the days with a loop and the noise that each day has; ``draw`` of the bank's random numbers."""
     from stickslip.remedy.bank import STEMS, passed
 
-    nll, shown = 0.0, []
-    for day, noise in zip(days, noises, strict=True):
+    each, shown = [np.zeros(len(day.rows)) for day in days], []
+    for day, noise, nats in zip(days, noises, each, strict=True):
         y = day.rows
         own = np.zeros((2, len(y) * day.q))
-        found = passed(
+        passed(
             day.op - day.op[0], y, day.q, day.dt, float(one.follows), one.S, one.J, one.r, one.integrating, one.tau,
             one.tau_2, one.theta, one.K, noise.a, noise.c, noise.d, noise.s,
-            _random(len(own[0]), STEMS if one.S > 0.0 else 1)[:, draw : draw + len(own[0])], own,
+            _random(len(own[0]), STEMS if one.S > 0.0 else 1)[:, draw : draw + len(own[0])], own, nats,
         )  # fmt: skip
-        nll -= found
         shown.append(own)
-    return Predicted(nll, tuple(shown))
+    return Predicted(np.concatenate(each), tuple(shown))
+
+
+def fresh(days: Sequence[Day], found: Found) -> Floats:
+    """The log-likelihood of each row (rows,) by random numbers that did not serve to find the loop [nats].
+
+    The least of many tries is so by luck too.  Of likelihoods the mean: a bank's has no bias, its logarithm has.
+    """
+    sums = [np.cumsum(predicted(days, found.loop, found.noises, draw).each) for draw in DRAWS]
+    return np.diff(np.logaddexp.reduce(sums), prepend=math.log(len(sums)))
 
 
 _Answer = tuple[Floats, tuple[float, float]]

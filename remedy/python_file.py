@@ -47,12 +47,8 @@ def python_of(fit: LoopFit) -> str:
     K_p, T_i, _ = series(fit.controller)
     op0 = float(np.mean(day.op))
     pv0 = float(np.mean(day.pv if day.sp is None else day.sp))
-    wide = "low=-inf, high=inf"
-    valve = (
-        f"ChenValve(S={one.S:.6g}, J={one.J:.6g}, dt={law.dt:.6g}, {wide})" if one.follows
-        else f"HeValve.from_bands(S={one.S:.6g}, J={one.J:.6g}, dt={law.dt:.6g}, {wide})"
-    )  # fmt: skip
-    stem = "ChenValve" if one.follows else "HeValve"
+    stem, of = ("ChenValve", "") if one.follows else ("HeValve", ".from_bands")
+    valve = f"{stem}{of}(S={one.S:.6g}, J={one.J:.6g}, dt={law.dt:.6g}, low=-inf, high=inf)"
     kind = "Integrator" if one.integrating else "FirstOrder"
     second = "1.0" if one.integrating else f"{one.tau:.6g}"
     process = f'{kind}({one.K:.6g}, {second}, {one.theta:.6g}, inputs="MV_2", outputs="flow")'

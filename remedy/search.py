@@ -4,6 +4,7 @@
 2  with stick: ``DRAWN`` loops of both laws and kinds about the size that ``stickslip.detect.likelihood`` finds; in
    ``STAGES``, the best are made better by the simplex of Nelder and Mead, gain and noise following each try
 3  the other kind of process, with the valve that is found
+4  the processes of these loops without stick: a stick gains nothing by a process that was found with it alone
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from stickslip.remedy.left import Left
 from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
 from stickslip.remedy.slips import banded
 
-__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "half_wave"]
+__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave"]
 
 Floats = NDArray[np.float64]
 LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
 DRAWN, TURNS = 100, 7  # loops that stick, to start from, and turns of bands and path for each
 WIDE, NARROWER = 0.3, 0.75  # r at first, and over that of the turn before
 STAGES = ((10, 24), (4, 40), (2, 80))  # how many are made better, by how many tries; the last in all rows, bands too
-CROSSED = 160  # tries of the other kind of process
+PLAIN, CROSSED = 120, 160  # tries of a loop without stick, and of the other kind of process
 LAGS = (0.04, 0.1, 0.25, 0.6, 1.5, 4.0)  # of the time between two turns of OP
 DELAYS = (0.0, 0.05, 0.15, 0.3)
 RIVALS = 6  # loops that are kept beside the best
@@ -66,7 +67,7 @@ def best_without(days: Sequence[Day], integrating: bool | None, way: float) -> l
             for late in DELAYS
         ]
         best = min(tried, key=lambda one: one.nll).loop
-        found.append(_better(days, _weighed(days, best, start_noise(days, kind)), 120))
+        found.append(_near(days, best, PLAIN))
     return sorted(found, key=lambda one: one.nll)
 
 
@@ -107,6 +108,12 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
     return sorted(tried, key=lambda one: one.nll)
 
 
+def freed(days: Sequence[Day], stuck: Sequence[Found]) -> list[Found]:
+    """The likeliest loops without stick near the processes of those that stick, the likeliest of each kind."""
+    kinds = {one.loop.integrating: replace(one.loop, S=0.0, J=0.0) for one in reversed(stuck)}
+    return [_near(days, one, PLAIN) for one in kinds.values()]
+
+
 def _of_the_other_kind(days: Sequence[Day], best: Found) -> Found:
     """The likeliest loop whose process is of the other kind, from the valve and the fast answer of the best one.
 
@@ -115,7 +122,12 @@ def _of_the_other_kind(days: Sequence[Day], best: Found) -> Found:
     one, kind = best.loop, not best.loop.integrating
     slow = max(one.tau, days[0].dt) if kind else half_wave(days)
     other = replace(one, integrating=kind, tau=slow, K=one.K / slow if kind else one.K * slow)
-    return _better(days, _weighed(days, other, start_noise(days, kind)), CROSSED)
+    return _near(days, other, CROSSED)
+
+
+def _near(days: Sequence[Day], one: Loop, tries: int) -> Found:
+    """The likeliest loop near this one."""
+    return _better(days, _weighed(days, one, start_noise(days, one.integrating)), tries)
 
 
 def _followed(

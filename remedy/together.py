@@ -6,8 +6,8 @@
 T is the temperature of the population, so that the loops of one time weigh as much as the log of the other.  The loops
 are those of the time that shows a stick, which say more of the loop; where both do, or none, those of each time are
 asked in turn: what differs by a fault of one fit does not differ the other way round.  Load and noise are each time's
-own.  Each part is tried at some ``FACTORS`` beside some loops, and the best
-made better by the simplex of Nelder and Mead.  r stays: a stem that may slip anywhere has any S.
+own.  Each part is tried at some ``FACTORS`` beside some loops, and the best made better by the simplex of Nelder and
+Mead.  r stays: a stem that may slip anywhere has any S.
 A bank's likelihood varies with its random numbers.  It has no bias, its logarithm has: the mean of others counts.
 """
 
@@ -23,7 +23,7 @@ from scipy.optimize import minimize
 from stickslip.remedy.left import Left
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import LITTLE, TEMPER
-from stickslip.remedy.process import Found, Loop, beside, predicted
+from stickslip.remedy.process import DRAWS, Found, Loop, beside, predicted
 from stickslip.remedy.search import WORSE, at_coordinates, coordinates, half_wave
 
 __all__ = ["PARTS", "Pair", "Together"]
@@ -34,7 +34,6 @@ FACTORS, GONE = (0.4, 0.6, 0.8, 1.25, 1.7, 2.5), 0.01  # of a part; of a dead ti
 FAR = 1.6  # logarithm of a ratio of gains or lags, beyond which nobody believes it
 STARTS, TRIES = 6, 70  # loops beside which a part is tried, and tries of the simplex
 STEP = 0.4  # of what differs
-DRAWS = range(1, 9)  # of random numbers
 
 
 @dataclass(frozen=True, eq=False)

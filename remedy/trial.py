@@ -10,7 +10,7 @@ deviations from OP at the start; the valve takes a sample with the controller, a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -44,10 +44,11 @@ Floats = NDArray[np.float64]
 MOST, STEP = 10_000, 4_000  # samples of the load that a trial runs through, which may differ along it; behind a step
 SKIPPED = 0.15  # of a run, in which it settles
 LIKE = 1.25  # times as far as the log that a fitted loop may swing by itself, or the log as far as it
-MOSTLY = 0.5  # of the fitted loops that must
+FEWEST = 6  # fitted loops that must
 AWAY = 1e3  # times the range of the logged PV, beyond which a run has no end
 UNSTABLE = "the loop is not stable with it"
 WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
+TUNING = {"controller.K_p", "controller.T_i"}  # what acts against stick makes no sense without it
 NOTHING = Setting("as it is", {})
 
 
@@ -104,32 +105,30 @@ def _blocks(fit: LoopFit, one: Loop) -> list[Block]:
     return [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
 
 
-def _parameters(fit: LoopFit, one: Loop, stick: float = 1.0) -> dict[str, float]:
-    """All parameters of the loop with so much of its stick and no remedy."""
+def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
+    """All parameters of the loop with a setting."""
+    factors, stick = setting.factors, setting.factors.get("stick", 1.0)
     blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
-    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
-
-
-def _set(own: Mapping[str, float], setting: Setting) -> dict[str, float]:
-    return {key: value * setting.factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
+    own = {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
+    return {key: value * factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
 
 
 def _run(
-    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float
-) -> dict[str, Floats]:
-    """Signals (settings, loops, n) of each setting on each loop, which has its load."""
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
+    begun: Floats,
+) -> dict[str, Floats]:  # fmt: skip
+    """Signals (settings, loops, n) of each setting on each loop, which has its load; PV is 0 and its stem ``begun``."""
     n, dt = len(sp), fit.controller.dt
     t = np.arange(n) * dt
     found = {name: np.empty((len(settings), len(loops), n)) for name in ("PV", "OP", "MV")}
     for follows in {one.follows for one in loops}:
         at = [i for i, one in enumerate(loops) if one.follows == follows]
-        sticks = [setting.factors.get("stick", 1.0) for setting in settings]
-        own = {(i, stick): _parameters(fit, loops[i], stick) for i in at for stick in {1.0, *sticks}}
-        plain = own[at[0], 1.0]
-        columns = [_set(own[i, stick], setting) for setting, stick in zip(settings, sticks, strict=True) for i in at]
+        plain = _parameters(fit, loops[at[0]], NOTHING)
+        columns = [_parameters(fit, loops[i], setting) for setting in settings for i in at]
         differ = {key: np.array([each[key] for each in columns]) for key in plain}
-        begin = {key: np.zeros(len(columns)) for key in ("lag.PV", "process.PV", "valve.MV")}
-        begin["controller.z"] = np.full(len(columns), z)
+        stems, rest = (np.tile(one, len(settings)) for one in (begun[at], [-loads[i][0] for i in at]))
+        differ["process.theta_start"] = stems
+        begin = {"valve.MV": stems, "lag.PV": stems, "process.PV": rest, "controller.z": np.full(len(stems), z)}
         values = ensemble(
             diagram_of(fit, loops[at[0]]), float(t[-1]), start=begin, times=t, signals=list(found), rtol=1e-5,
             params={key: each for key, each in differ.items() if np.any(each != plain[key])}, atol=1e-8, workers=1,
@@ -144,40 +143,49 @@ def _run(
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list[Outcome]:
-    """What each setting gives on ``count`` loops, under the load of the record.
+    """What each setting gives on up to ``count`` loops, under the load of the record.
 
     The first setting is the loop as it is: fitted loops that are not stable with it, or stick and do not swing as the
-    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where most of them are.
+    log does, cannot be the logged one, and are left out.  Raises ``FitError`` where fewer than ``FEWEST`` of them stay.
     """
     day = fit.days[0]
-    n = min(len(fit.lefts[0][0]), MOST)
-    loops, loads = fit.loops[:count], [own[0][:n] for own in fit.lefts[:count]]
-    sp = np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]
-    e = float(sp[0] - day.pv[0])
-    start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
-    found = _run(fit, loops, settings, loads, sp, start)
-    stays = np.max(np.abs(found["PV"] - day.pv[0]), axis=2) < AWAY * np.ptp(day.pv)  # (settings, loops)
+    n, base = min(len(fit.lefts[0][0]), MOST), float(day.pv[0])
+    loads, logged = [own[0][:n] - base for own in fit.lefts], day.pv[:n] - base
+    sp = (np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]) - base
+    start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * float(sp[0])  # OP is 0 at the start
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
-    swings = np.std((sp - found["PV"][0])[:, first:], axis=1) / np.std((sp - day.pv[:n])[first:])
-    stays &= not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE)
-    if np.mean(stays[0]) < MOSTLY:
-        raise FitError(
-            f"left as they are, the fitted loops swing {np.median(swings):.2g} times as far as the log, so that no "
-            "remedy can be tried on them; log the loop for longer"
-        )
+    (still,) = _run(fit, fit.loops, settings[:1], loads, sp, start, fit.begun)["PV"]
+    swings = np.std((sp - still)[:, first:], axis=1) / np.std((sp - logged)[first:])
+    ends = AWAY * np.ptp(day.pv)
+    like = (np.max(np.abs(still), axis=1) < ends) & (not fit.sticks or (swings < LIKE) & (swings > 1.0 / LIKE))
+    if np.sum(like) < min(FEWEST, len(like)):
+        raise FitError(_unlike(fit, int(np.sum(like)), swings))
+    at = np.flatnonzero(like)[:count]
+    found = _run(fit, [fit.loops[i] for i in at], settings, [loads[i] for i in at], sp, start, fit.begun[at])
     made = []
-    for i, setting in enumerate(settings):
-        pv, op, stem = (
-            np.where(stays[i, :, None], found[name][i], math.nan)[stays[0]] for name in ("PV", "OP", "MV")
-        )  # fmt: skip
+    for setting, pv, op, stem in zip(settings, found["PV"], found["OP"], found["MV"], strict=True):
         values = (
-            np.std(sp[first:] - pv[:, first:], axis=1), np.std(op[:, first:], axis=1),
+            np.std((sp - pv)[:, first:], axis=1), np.std(op[:, first:], axis=1),
             np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
-        pv_sd, op_sd, travel, turns = (np.where(stays[i][stays[0]], own, math.inf) for own in values)
-        made.append(Outcome(setting, pv_sd, op_sd, travel, turns, pv[0], op[0] + float(day.op[0])))
+        stays = np.max(np.abs(pv), axis=1) < ends
+        sd, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
+        pv_0, op_0 = base + (0.0 if stays[0] else math.nan), float(day.op[0])
+        made.append(Outcome(setting, sd, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
     return made
+
+
+def _unlike(fit: LoopFit, like: int, swings: Floats) -> str:
+    """Why no remedy is tried on these loops, and what record would do."""
+    low, middle, high = np.nanpercentile(swings, [10.0, 50.0, 90.0])
+    hours = sum(float(day.t[-1] - day.t[0]) for day in fit.days) / 3600.0
+    return (
+        f"left as they are, {like} of {len(swings)} fitted loops swing {1.0 / LIKE:g} to {LIKE:g} times as far as the "
+        f"log, and {FEWEST} are needed to try a remedy on; the middle one swings {middle:.2g} times as far, most "
+        f"{low:.2g} to {high:.2g} times. The record does not tell valve and process well enough: log "
+        f"{2.0 * hours:.2g} h at the controller's scan, with some steps of SP"
+    )
 
 
 def _reversals(stem: Floats) -> int:
@@ -196,9 +204,9 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
     t, none = np.arange(STEP) * dt, [np.zeros(STEP)] * len(loops)
     ways = [t if one.integrating else 1.0 - np.exp(-t / max(one.tau, dt)) for one in loops]
     loads = [np.asarray(one.K * way) for one, way in zip(loops, ways, strict=True)]
-    plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0)["PV"] - 1.0
-    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0)["PV"]
+    plain = [replace(one, params={key: one.params[key] for key in TUNING & one.params.keys()}) for one in settings]
+    steps = _run(fit, loops, plain, none, np.ones(STEP), 0.0, np.zeros(len(loops)))["PV"] - 1.0
+    pushed = _run(fit, loops, plain, loads, np.zeros(STEP), 0.0, np.zeros(len(loops)))["PV"]
     return [
         (
             np.array([_settled(own, 0.05, dt) for own in after_step]),
@@ -206,12 +214,6 @@ def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[
         )
         for after_step, after_load in zip(steps, pushed, strict=True)
     ]
-
-
-def _tuning_alone(setting: Setting) -> Setting:
-    """The tuning of a setting alone: what acts against stick makes no sense without it."""
-    own = {key: value for key, value in setting.params.items() if key in ("controller.K_p", "controller.T_i")}
-    return Setting(setting.words, setting.values, own, setting.factors)
 
 
 def _settled(e: Floats, band: float, dt: float) -> float:

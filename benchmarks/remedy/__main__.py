@@ -1,4 +1,4 @@
-"""Fits and remedies on hidden plants: ``python -m benchmarks.remedy [--apart] [--loops N] [--first SEED]``.
+"""Fits and remedies on hidden plants: ``python -m benchmarks.remedy [--apart | --shaken] [--loops N] [--first SEED]``.
 
 The plants are those of ``benchmarks.remedy.plants``, or of ``benchmarks.remedy.apart``: their stems, processes and
 loads are not the fit's, and their simulation (``benchmarks.remedy.running``) shares nothing with it.  The fit sees OP,
@@ -117,7 +117,7 @@ def _best_where_known(plant: Plant, advice: Advice) -> list[str]:
         settings = [NOTHING, *(one.outcome.setting for one in tried)]
         scores = {"none": 1.0 + TRAVEL}
         try:
-            none, *given = outcomes(replace(fit, loops=(true,), lefts=lefts), settings)
+            none, *given = outcomes(replace(fit, loops=(true,), lefts=lefts, begun=path[0, :1]), settings)
             scores |= {one.name: score(own, none) for one, own in zip(tried, given, strict=True)}
         except FitError:  # it does not swing as the log does
             pass
@@ -173,12 +173,9 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
         ]
         chosen = [r for r in judged if r["chosen"]]
         lines.append(f"recommended: {len(chosen)}; though worse than none: {sum(r['harm'] for r in chosen)}")
-    lines.append(
-        f"processor time, median: fit {np.median([r['fit_s'] for r in fitted]):.1f} s (most "
-        f"{max(r['fit_s'] for r in fitted):.1f}), remedies "
-        f"{np.median([r['remedy_s'] for r in seen if 'sd' in r]):.1f} s"
-    )
-    return lines
+    took, tried = [r["fit_s"] for r in fitted], [r["remedy_s"] for r in seen if "sd" in r]
+    lines.append(f"processor time, median: fit {np.median(took):.1f} s (most {max(took):.1f})")
+    return [*lines, *([f"remedies {np.median(tried):.1f} s"] if tried else [])]
 
 
 def by_kind(rows: Sequence[dict[str, Any]]) -> list[str]:
@@ -206,14 +203,15 @@ def main() -> None:
     parser.add_argument("--loops", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--apart", action="store_true", help="loops of benchmarks.remedy.apart")
+    parser.add_argument("--shaken", action="store_true", help="sound loops that a sticky neighbour shakes")
     parser.add_argument("--quick", action="store_true", help="five loops")
     parser.add_argument("--json", type=Path, help="append each row to this file; what it has is not run again")
     given = parser.parse_args()
-    rows = kept(given.json)
+    rows, of = kept(given.json), apart.shaken if given.shaken else apart.drawn if given.apart else Plant.drawn
     done = {r["seed"] for r in rows}
     for seed in range(given.first, given.first + (5 if given.quick else given.loops)):
         if seed not in done:
-            rows += appended(given.json, [row(apart.drawn(seed) if given.apart else Plant.drawn(seed))])
+            rows += appended(given.json, [row(of(seed))])
     print("\n".join([*summary(rows), *by_kind(rows)]))
 
 

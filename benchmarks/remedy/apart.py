@@ -4,11 +4,14 @@ law            karnopp, stribeck, kano, he, lugre, backlash and stick; choudhury
 process        first or second order, or an integrator;  dead time up to twice the lag
 load           first-order autoregression, steps, or a walk
 rows           3,000 to 7,200
+
+``shaken`` draws a sound loop whose load is the stem or PV of a sticky neighbour, of 750 to 2,500 rows.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from stickslip.calibration.crossed.stems import LAWS as ALL
@@ -17,7 +20,7 @@ from benchmarks.remedy.plants import Loads, Plant
 from benchmarks.remedy.running import Numbers, Settings
 from benchmarks.remedy.sampled_stems import CHEN, CHOUDHURY, STENMAN
 
-__all__ = ["LAWS", "drawn"]
+__all__ = ["LAWS", "drawn", "shaken"]
 
 CODES = {
     "karnopp": 2, "choudhury": CHOUDHURY, "kano": 0, "lugre": -1, "he": 1, "chen": CHEN, "stribeck": 3,
@@ -75,3 +78,14 @@ def drawn(seed: int) -> Plant:
     noise = abs(gain) * size * between(0.003, 0.08)
     noise = min(noise, 0.15 * S / abs(K_p)) if law != "sound" else noise
     return Plant(seed, law, numbers, Settings(K_p, T_i), loads, noise, sp, loads.drawn(r, n), noise * r.normal(size=n))
+
+
+def shaken(seed: int) -> Plant:
+    """A sound loop that a sticky neighbour shakes."""
+    r, sound = np.random.default_rng([seed, 1127]), drawn(len(LAWS) * seed + LAWS.index("sound"))
+    rows = int(r.integers(750, 2501))
+    near = (drawn(len(LAWS) * seed + i).log() for i in r.permutation(len(LAWS) - 1))
+    pv, _, stem = next(log for log in near if np.ptp(log[2]) > 0.0 and np.all(np.abs(log[1]) < 50.0))
+    wave = np.resize(stem if seed % 2 else pv, rows)
+    load = 0.2 * sound.load[:rows] + 0.5 * sound.loads.size * (wave - wave.mean()) / np.std(wave)
+    return replace(sound, seed=seed, load=load, noise=sound.noise[:rows], sp=sound.sp[:rows])

@@ -7,8 +7,9 @@
     against = loss of the likeliest S >= 0.15 of OP's travel against the best rival [nats]
 
     unpaid  = the most that any play or stick gains over the best rival at any delay, not paying for its size [nats]
-    bent    = the most that a stick, a bent characteristic, another answer each way or a sensor with hysteresis gains
-              over a straight line [nats]
+    bends   = the most that a bent characteristic, another answer each way or a sensor with hysteresis gains over a
+              straight line and over nothing [nats]
+    bent    = the most that these or a stick gain over a straight line [nats]
 
 A valve has dead travel where G >= 10, G_d >= 5, the stem turns at least four times and, of days that tell anything,
 no more speak against than for it and no single one is all there is: all that at two of three delays beside each other.
@@ -69,7 +70,7 @@ class Evidence:
     travel : OP's, median over the records [its unit]
     sizes, curve : (m,) S [unit of OP] and G(S) [nats] at the delay that is shown
     tenths : (10 records,) log-likelihood gained in each tenth of each record [nats]
-    turned : turns of OP in all records;  between : samples between two of them, median;  bent, unpaid : [nats]
+    turned : turns of OP in all records;  between : samples between two of them, median;  bent, bends, unpaid : [nats]
      days : one a record, in order
     shapes : of the best stem in each record, as ``Stems.stem`` takes it
     """
@@ -95,6 +96,7 @@ class Evidence:
     turned: int
     between: float
     bent: float
+    bends: float
     unpaid: float
     days: tuple[Day, ...]
     shapes: tuple[Values, ...]
@@ -198,7 +200,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
         min(_answers(one.kept) for one in at[-3:]), _steady(answers), travel,
         10.0 ** (grid / FINER), at[shown].total.max(axis=1), best.tenths,
         sum(one.rows.turned for one in records), float(np.median([one.rows.between for one in records])),
-        max(_bent(one.kept, one) for one in at), max(one.unpaid for one in at), days, shapes,
+        max(_bent(one)[0] for one in at), max(_bent(one)[1] for one in at), max(one.unpaid for one in at), days, shapes,
     )  # fmt: skip
 
 
@@ -286,12 +288,12 @@ def _answers(kept: Sequence[Gains]) -> float:
     return float(sum(part.rivals["OP"][0] - part.rivals["nothing"][0] for part in kept))
 
 
-def _bent(kept: Sequence[Gains], one: _At) -> float:
-    """By how many nats the best of sticks and bent rivals predicts PV better than a straight line."""
-    score = {name: sum(part.rivals[name][0] for part in kept) for name in kept[0].rivals}
-    stick = float(one.total.max()) + score[one.rival] - score["OP"]
-    line = max(score["OP"], score[LATE])
-    return max(stick, max(score[name] for name in score if name not in ("OP", LATE, "nothing")) - line)
+def _bent(one: _At) -> tuple[float, float]:
+    """``bent`` and ``bends`` at one delay."""
+    score = {name: sum(part.rivals[name][0] for part in one.kept) for name in one.kept[0].rivals}
+    line, stick = max(score["OP"], score[LATE]), float(one.total.max()) + score[one.rival] - score["OP"]
+    bends = max(score[name] for name in score if name not in ("OP", LATE, "nothing"))
+    return max(stick, bends) - line, bends - max(line, score["nothing"])
 
 
 def _steady(answers: Sequence[Sequence[float]]) -> bool:

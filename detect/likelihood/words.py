@@ -15,7 +15,7 @@ from stickslip.detect.likelihood.pooled import (
     Evidence,
 )
 
-__all__ = ["said"]
+__all__ = ["hides", "said"]
 
 
 def said(e: Evidence, percent: bool) -> str:
@@ -44,11 +44,11 @@ def said(e: Evidence, percent: bool) -> str:
         return f"Dead travel of {size} would predict PV better than {rival} by {e.gain:.3g} nats, but {_short(e)}."
     why = "" if math.isinf(e.excluded) else f" From {e.excluded:.2g} {unit} on it is excluded by {e.loss:.3g} nats."
     return (
-        f"No stem with dead travel predicts PV better than {rival}, but {_hides(e, unit)}, so nothing is cleared.{why}"
+        f"No stem with dead travel predicts PV better than {rival}, but {hides(e, unit)}, so nothing is cleared.{why}"
     )
 
 
-def _hides(e: Evidence, unit: str) -> str:
+def hides(e: Evidence, unit: str) -> str:
     """Why dead travel is not excluded."""
     if e.coarse:
         return f"{e.between:.2g} samples between two turns of OP are too few ({FINEST_SAMPLES:g} needed)"
@@ -57,7 +57,7 @@ def _hides(e: Evidence, unit: str) -> str:
     if e.turned < TURNS:
         return f"OP turns back {e.turned} times only ({TURNS} needed)"
     if e.unpaid > 0.0:
-        return "at one delay a stem with dead travel of some size does, if nothing is paid for its size"
+        return "at one delay a stem with dead travel of some size does better, if nothing is paid for its size"
     if e.bent > 0.0:
         return f"PV answers OP by no straight line ({e.bent:.3g} nats), as where a valve sticks"
     if not e.steady:

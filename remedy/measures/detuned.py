@@ -3,8 +3,7 @@
     self-regulating   K_p = tau / (K (lambda + theta)),   T_i = tau            lambda = tau or 3 tau
     integrating       K_p = (2 lambda + theta) / (K (lambda + theta)^2),   T_i = 2 lambda + theta
 
-Not for: a process whose gain the record does not tell.  Source: D. E. Rivera, M. Morari, S. Skogestad, Ind. Eng. Chem.
-Process Des. Dev. 25 (1986) 252-265.
+Source: D. E. Rivera, M. Morari, S. Skogestad, Ind. Eng. Chem. Process Des. Dev. 25 (1986) 252-265.
 """
 
 from stickslip.remedy.measures.setting import Setting, Situation

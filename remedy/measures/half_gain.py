@@ -1,8 +1,6 @@
 """Half the gain, the usual first advice; here it is tried like the others.
 
-    K_p <- K_p / 2
-
-Not for: a stick that makes the loop cycle, whose waves grow where the loop is slower than the stem's jump asks.
+K_p <- K_p / 2          waves of stick grow where the loop is slower than the stem's jump asks
 """
 
 from stickslip.remedy.measures.setting import Setting, Situation

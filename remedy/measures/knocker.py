@@ -12,8 +12,6 @@ NOT_FOR = "worn packing, little air, a positioner with integral action"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    if at.S <= 0.0:
-        return []
     return [
         Setting(
             f"pulses of {a:.3g} {at.op_unit}, {2 * at.dt:g} s long, every {5 * at.dt:g} s",

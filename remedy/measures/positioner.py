@@ -2,8 +2,7 @@
 
     S <- S / 5, J <- J / 5,   of a good valve at most 1 % of span (ANSI/ISA-75.25: dead band below 1 % is usual)
 
-It takes the valve in hand, so it belongs to a shutdown or to a bypass.  Not for: a stem that jumps more than the
-positioner's band, about which the positioner hunts itself.
+It takes the valve in hand, so it belongs to a shutdown or to a bypass.  About a larger jump it hunts itself.
 """
 
 from stickslip.remedy.measures.setting import Setting, Situation
@@ -15,6 +14,4 @@ NOT_FOR = "a stem that jumps more than the positioner's band"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    if at.S <= 0.0:
-        return []
     return [Setting("dead travel a fifth of today's", {"S": 0.2 * at.S}, factors={"stick": 0.2})]

@@ -12,8 +12,6 @@ NOT_FOR = "noise in OP, a size of stick that changes, a valve with positioner"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    if at.S <= 0.0:
-        return []
     hold = 3.0 * at.K_p * at.noise
     return [
         Setting(

@@ -15,4 +15,4 @@ FREE = Setting("no stick is left", {"S": 0.0, "J": 0.0}, factors={"stick": 0.0})
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    return [FREE] if at.S > 0.0 else []
+    return [FREE]

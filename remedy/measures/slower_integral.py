@@ -2,8 +2,7 @@
 
     T_i <- 3 T_i or 10 T_i
 
-A stick-slip wave gets slower with T_i and dies where P action alone holds the stem.  Not for: loads that the integral
-has to follow.  Source: textbook; the rule to lengthen T_i is common, and here tried before it is given.
+A stick-slip wave gets slower with T_i and dies where P action alone holds the stem.  Source: textbook.
 """
 
 from stickslip.remedy.measures.setting import Setting, Situation

@@ -12,7 +12,7 @@ NOT_FOR = "loads that move within a few periods, processes that integrate"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    if at.S <= 0.0 or at.integrating:
+    if at.integrating:
         return []
     pause = max(3.0 * (at.lag + at.theta), 2.0 * at.dt)
     return [

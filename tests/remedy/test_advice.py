@@ -12,9 +12,8 @@ from stickslip.detect.likelihood.stems import stems_of
 from stickslip.diagram import drive, simulate
 from stickslip.logs import LoopRecord
 from stickslip.remedy import FitError, cost, fit, python_of, remedies
-from stickslip.remedy.advice import LONG, SURE, TRAVEL
+from stickslip.remedy.advice import LONG, SURE, TRAVEL, Cost
 from stickslip.remedy.example import sticky
-from stickslip.remedy.leaving import Cost
 from stickslip.remedy.measures import REMEDIES, half_gain
 from stickslip.remedy.measures.setting import Setting, Situation
 from stickslip.remedy.size import Size
@@ -99,11 +98,34 @@ def test_rows_that_are_not_fitted_or_not_logged_are_said():
 def test_loops_that_do_not_swing_as_the_log_does_are_not_tried(found):
     # seed 9423 of benchmarks.remedy --apart swung 1.9 times as far as its log, and what was recommended did harm
     wild = [replace(one, S=4.0 * one.S, J=4.0 * one.J) for one in found.loops]
-    mixed = replace(found, loops=(*wild[:5], *found.loops[:11]), lefts=(*found.lefts[:5], *found.lefts[:11]))
-    as_it_is, none = (outcomes(one, [NOTHING])[0].pv_sd for one in (found, mixed))
-    np.testing.assert_allclose(none, as_it_is[:11])
-    with pytest.raises(FitError, match="times as far as the log"):
+    mixed = replace(found, loops=(*wild[:5], *found.loops[5:]))
+    as_it_is, none = (outcomes(one, [NOTHING], 24)[0].pv_sd for one in (found, mixed))
+    assert len(as_it_is) == 24 and set(as_it_is[5:]) <= set(none) and len(none) < 24
+    # was "swing 1.2 times as far as the log" where 1.25 was allowed: the median, with most loops beyond on both sides
+    with pytest.raises(
+        FitError, match=r"[0-5] of 24 fitted loops swing 0.8 to 1.25 times as far as the log, and 6 are"
+    ):
         outcomes(replace(found, loops=tuple(wild)), [NOTHING])
+
+
+def test_a_trial_begins_where_the_log_does(found):
+    # the stem stood at OP at the start, so that PV began K S / 2 beside the log and OP followed
+    (as_it_is,) = outcomes(found, [NOTHING], 24)
+    assert np.max(np.abs(found.begun)) > 0.1
+    np.testing.assert_allclose(as_it_is.pv[0], found.days[0].pv[0], atol=1e-6)
+    np.testing.assert_allclose(as_it_is.op[0], found.days[0].op[0], atol=1e-6)
+
+
+def test_a_filter_of_pv_begins_where_pv_does(found):
+    # it began at 0, so that OP ran to its limit where PV stands at 50
+    law, day = replace(found.controller, T_f=20.0), found.days[0]
+    far = replace(day, pv=day.pv + 1000.0, sp=day.sp + 1000.0)
+    lefts = tuple((own + 1000.0,) for (own,) in found.lefts)
+    near, high = (
+        outcomes(replace(found, controller=law, sticks=False, days=(one,), lefts=own), [NOTHING], 3)[0].pv[:50]
+        for one, own in ((day, found.lefts), (far, lefts))
+    )
+    np.testing.assert_allclose(high - 1000.0, near, atol=1e-3)
 
 
 def test_a_stem_that_travels_less_for_the_stick_is_said_so():
@@ -153,6 +175,7 @@ def test_a_loop_without_stick_gets_a_fit_and_no_remedy():
     rng, u = np.random.default_rng(1), 5.0 * np.sin(np.arange(2000.0) / 25.0) + np.sin(np.arange(2000.0) / 80.0)
     plain = evidence_of([stems_of(u, np.roll(u, 1) + 0.1 * rng.normal(size=2000))])
     clear = replace(sound, fit=replace(sound.fit, evidence=plain))
+    assert not remedies(clear.fit).tried  # there is nothing to make up for
     assert clear.fit.verdict == "no_stiction" and clear.fit.S.value == 0.0 < clear.fit.S.high < 2.0
     assert "shows no stick" in clear.words()[0] and "shows no stick, S = 0" in clear.fit.headline
 
@@ -214,10 +237,7 @@ def test_settings_follow_their_rules():
     assert by["lambda tuning"][0].values["K_p"] == pytest.approx(30.0 / (1.2 * 35.0))
     assert by["half the gain"][0].factors == {"controller.K_p": 0.5}
     none = Situation(0.8, math.inf, 2.0, 0.0, 0.0, 1.2, 30.0, 4.0, 0.1, 0.8, False, False, "%", "m3/h")
-    assert all(not one.settings(none) for one in REMEDIES if one.TITLE in (
-        "knocker", "constant reinforcement", "two moves", "longer T_i", "lambda tuning", "tuned positioner",
-        "valve repaired",
-    ))  # fmt: skip
+    assert all(not one.settings(none) for one in REMEDIES if one.TITLE in ("longer T_i", "lambda tuning"))
 
 
 def test_more_gain_of_the_load_gives_more_swing(found):
