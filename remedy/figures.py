@@ -48,7 +48,7 @@ def plot_fit(fit: LoopFit) -> Figure:
     lower.set_xlabel("time [s]")
     upper.set_title(f"S = {fit.S} {fit.op_unit}; K J = {fit.KJ} {fit.pv_unit}", fontsize=9, loc="left")
     for axes in (upper, lower):
-        axes.legend(loc="upper left", fontsize=8, ncols=3, frameon=False)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=3, frameon=False)
         tidy(axes)
     return figure
 
