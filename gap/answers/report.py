@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stickslip.diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
+VAGUE = 0.6  # width of an interval that tells nothing
 UNKNOWN = "unknown"
 
 
@@ -75,6 +76,12 @@ class Shrinkage:
     fraction: float
     low: float
     high: float
+
+    def __str__(self) -> str:
+        if self.high - self.low > VAGUE:
+            return "the rows that the fit has not seen hold too little of the gap to tell how far it shrinks"
+        by = f"{100.0 * self.fraction:.0f} % ({100.0 * self.low:.0f} to {100.0 * self.high:.0f} %)"
+        return f"on rows that the fit has not seen the gap shrinks by {by}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

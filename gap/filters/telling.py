@@ -110,12 +110,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
     part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
     words.append(
         f"{'Together they explain' if o.firsts else 'It explains'} {part:.1f} % of the gap"
-        + (
-            f"; on rows that the fit has not seen the gap shrinks by {100.0 * shrunk.fraction:.0f} % "
-            f"({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)."
-            if shrunk
-            else "."
-        )
+        + (f"; {shrunk}." if shrunk else ".")
     )
     if not o.textured and rival(best.best).behind < CLEAR:
         other = rival(best.best)

@@ -65,8 +65,7 @@ def _named(o: Outcome) -> GapReport:
     causes = tuple(one.stated(sure) for one in found)
     shrunk = None if o.textured else held_out(o.null, best)
     if shrunk is not None:
-        by = f"{100.0 * shrunk.fraction:.0f} % ({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)"
-        words.append(f"On rows that the fit has not seen the gap shrinks by {by}.")
+        words.append(f"{str(shrunk).capitalize()}.")
     return _report(o, words, best, where, causes, _ranking(o, sure), shrunk)
 
 

@@ -33,10 +33,10 @@ class Swap:
         return float(np.clip((self.before**2 - self.after**2) / removable, 0.0, 1.0)) if removable > 0.0 else 0.0
 
     def __str__(self) -> str:
-        given = " and ".join(self.given)
+        given, way = " and ".join(self.given), "falls" if self.after < self.before else "rises"
         return (
             f"Swap test: with {given} from the log in place of the model's, the error of {self.signal} in a free run "
-            f"falls from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what exceeds the noise)."
+            f"{way} from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what exceeds the noise)."
         )
 
 

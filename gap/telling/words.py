@@ -101,7 +101,7 @@ def named(
         words += about_creep(best.effect, found, creeping)
     if others:
         words.append(f"These signals cannot separate it from {listed(others)}; {next_test(problem, same)}.")
-    words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
+    words.append(f"It explains {_share(problem, best)} of the gap" + _shrunk(shrunk))
     words += disturbance_only(problem, rival, best.total)
     swap = swapped(problem, best.place)
     if swap is not None:
@@ -150,7 +150,7 @@ def named_pair(
     ]
     for fit, its, yes in zip(both, found, creeping, strict=True):
         words += about_creep(fit.effect, its, yes) if yes else []
-    words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
+    words.append(f"Together they explain {_share(problem, pair.second)} of the gap" + _shrunk(shrunk))
     words += disturbance_only(problem, rival, pair.total)
     where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})
     return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], sure), shrunk, rests)
@@ -290,12 +290,13 @@ def _sizes(found: Mapping[str, Size]) -> str:
     return ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
 
 
+def _share(problem: Problem, fit: Fit) -> str:
+    """Return in words how much of the gap a fit explains: what it leaves may be less than usual."""
+    return f"{100.0 * min(share(problem, fit), 1.0):.1f} %"
+
+
 def _shrunk(found: Shrinkage | None) -> str:
-    if found is None:
-        return "."
-    low, high = 100.0 * found.low, 100.0 * found.high
-    by = f"{100.0 * found.fraction:.0f} % ({low:.0f} to {high:.0f} %)"
-    return f"; on rows that the fit has not seen the gap shrinks by {by}."
+    return "." if found is None else f"; {found}."
 
 
 def _report(

@@ -7,6 +7,7 @@ import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import GapError, replayed
 from stickslip.gap.answers.report import Cause, GapReport, Shrinkage, Size, Where
+from stickslip.gap.telling.swapping import Swap
 
 from tests.gap.test_latent import moved, report_at
 
@@ -68,3 +69,10 @@ def test_the_diagram_names_the_cause_in_its_block():
     report = replace(blamed("stiction", "valve", S=3.0, J=1.0), where=Where("valve", 1.0, ("valve",), {"valve": 1.0}))
     told = [text.get_text() for text in report.plot_diagram().axes[0].texts]
     assert told[told.index("valve") : told.index("valve") + 3] == ["valve", "ideal valve", "stiction"]
+
+
+def test_what_is_said_follows_the_numbers():
+    assert str(SHRINKS) == "on rows that the fit has not seen the gap shrinks by 87 % (84 to 90 %)"
+    assert "too little of the gap to tell" in str(replace(SHRINKS, low=0.0, high=0.9))
+    swap = Swap(("OP",), "PV", before=0.94, after=6.5, noise=0.1)
+    assert "rises from 0.94 to 6.5 (0 %" in str(swap) and "falls from 0.94 to 0.5" in str(replace(swap, after=0.5))
