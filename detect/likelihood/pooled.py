@@ -293,7 +293,7 @@ def _bent(one: _At) -> tuple[float, float]:
     score = {name: sum(part.rivals[name][0] for part in one.kept) for name in one.kept[0].rivals}
     line, stick = max(score["OP"], score[LATE]), float(one.total.max()) + score[one.rival] - score["OP"]
     bends = max(score[name] for name in score if name not in ("OP", LATE, "nothing"))
-    return max(stick, bends) - line, bends - max(line, score["nothing"])
+    return max(stick, bends - line), bends - max(line, score["nothing"])
 
 
 def _steady(answers: Sequence[Sequence[float]]) -> bool:

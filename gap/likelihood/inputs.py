@@ -21,7 +21,7 @@ from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 Floats = NDArray[np.float64]
 FEWEST = 3  # rows at which an input moves, that may be a ramp
 FELT = 0.1  # standard deviations of what a filter misses of OP, from which on a doubt shows in some hundred rows
-TYPED = 1.5  # times the digit of the other signals: what has no finer digits has been typed in, and is exact
+TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
 NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 
@@ -56,10 +56,10 @@ class Doubt:
 
 
 def rounded(record: Record) -> dict[str, Doubt]:
-    """Return the doubts of inputs whose digits are as fine as those that the log gives other signals."""
+    """Return the doubts of inputs that have the digits which the log gives other signals."""
     finest = max((record.steps[s] for s in record.pinned), default=0.0)
     steps = {s: rounding(record.known(s)) for s in record.played}
-    return {s: Doubt(step) for s, step in steps.items() if 0.0 < step <= TYPED * finest}
+    return {s: Doubt(step) for s, step in steps.items() if 0.0 < finest / TYPED <= step <= TYPED * finest}
 
 
 def felt(record: Record, plain: Filtered) -> bool:

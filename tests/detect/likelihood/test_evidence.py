@@ -142,3 +142,16 @@ def test_nothing_to_judge():
     with pytest.raises(ValueError, match="records is empty"):
         evidence_of([])
     assert stems_of(np.zeros(500), np.zeros(500)) is None
+
+
+@pytest.mark.parametrize("how", [{"S": 4.0, "moves": 2.0}, {"S": 4.0, "moves": 0.0, "wave": 12.0, "noise": 1.0}])
+def test_what_a_stick_gains_is_against_a_straight_line(how):
+    found = evidence(**how, seed=5)
+    assert found.bent >= found.gain - 1.0  # rivals that bend may gain more
+
+
+def test_noise_alone_has_no_bend():
+    rng = np.random.default_rng(8)
+    op = np.cumsum(rng.normal(size=2000)) % 7.0
+    found = evidence_of([stems_of(op, rng.normal(size=2000))])
+    assert abs(found.bent) < 30.0
