@@ -86,7 +86,7 @@ def test_every_effect_of_a_loop_has_sizes():
     elsewhere = {"sensor_saturation", *OF_OTHERS}  # a plant in plain numpy has these (tests/gap/plain_tank.py)
     named = {one.name for one in CATALOGUE if one.places(ideal_flow())} - elsewhere
     assert set(severities.IDEAL) == set(severities.SITE) == named
-    sets = severities.OUTSIDE_FOR_TUNING, severities.OUTSIDE_FOR_REPORT, severities.NEVER_SEEN
+    sets = severities.OUTSIDE_FOR_TUNING, severities.OUTSIDE_FOR_REPORT, severities.NEVER_SEEN, severities.NAMED_NOW
     assert sorted(kind for one in sets for kind in one) == sorted(severities.OUTSIDE)
 
 
