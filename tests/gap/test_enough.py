@@ -1,0 +1,13 @@
+"""What an explanation may leave of a gap, however large the gap is."""
+
+import pytest
+from stickslip.gap.likelihood.judge import Verdict, enough
+
+
+@pytest.mark.parametrize(
+    ("left", "alone", "is_enough"),
+    [(4.0, 10.0, True), (6.0, 10.0, False), (20.0, 2000.0, True), (848.0, 60000.0, False), (26.0, 60000.0, False)],
+)
+def test_little_of_a_large_gap_may_be_left_but_no_more_than_25_standard_deviations(left, alone, is_enough):
+    verdict, model = (Verdict(size, "size of OP", 0.5, 5.0) for size in (left, alone))
+    assert enough(None, verdict, model) is is_enough
