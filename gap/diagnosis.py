@@ -129,9 +129,9 @@ def _followed(
     It knows the doubts of inputs, and effects that bend a linear loop.  Both have one likelihood, so that what they
     leave compares.
     """
-    enough = bool(found.same) and passes(found.same[0].best)
     if not found.gap:
         return None
+    enough = bool(found.same) and passes(found.same[0].best)
     doubted = felt(record, found.plain.best)
     asked = catalogue if doubted else () if enough else without_filter(found.plain, catalogue)
     frame = frame_of(opened, record) if asked else None

@@ -16,7 +16,7 @@ from stickslip.blocks.one_to_one import OneToOne
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter, above, not_below
-from stickslip.gap.insertion.of_controller import OfController
+from stickslip.gap.insertion.of_controller import AtScans, OfController
 
 LEAST = 1e-9  # derivative time [s] below which there is none
 
@@ -58,28 +58,17 @@ def _step(
     return f, x, shown
 
 
-class ScannedDerivative(OneToOne):
+class ScannedDerivative(AtScans):
     """The same at the scans of a controller; ``late``: its integral takes in the previous error.
 
     >>> from stickslip.diagram import drive
-    >>> scanned = ScannedDerivative("y", "u", N=4.0, T_f=1.0, T_i=math.inf, dt=1.0)
+    >>> scanned = ScannedDerivative("y", "u", {"N": 4.0, "T_f": 1.0, "T_i": math.inf, "late": 0.0}, dt=1.0)
     >>> drive(scanned, 2.0, every=1.0, u=1.0).log["y"].tolist()
     [3.0, 2.0, 1.5]
     """
 
-    role = Role.FILTER
     kernels = Kernels(step=_step)
-    period_param = "dt"
-    offset_param = "offset"
-    same_unit = True
-
-    def __init__(
-        self, signal: str, source: str, N: float, T_f: float, T_i: float, dt: float, *, offset: float = 0.0,
-        late: bool = False, name: str = "",
-    ) -> None:  # fmt: skip
-        params = {"N": N, "T_f": T_f, "T_i": T_i, "late": float(late), "dt": dt, "offset": offset}
-        memory = {"f": 0.0, "x": 0.0}
-        super().__init__(signal, source, params, memory=memory, start_output=[0.0], unit="", name=name)
+    memories = ("f", "x")
 
 
 class DerivativeAction(OfController):
@@ -105,7 +94,8 @@ class DerivativeAction(OfController):
         T_i = at.params.get("T_i", math.inf)
         if not at.sampled:
             return Derivative("out", "in", 10.0, 1.0, T_i, name=self.block(place))
-        return ScannedDerivative("out", "in", 10.0, 1.0, T_i, **self.scans(at), name=self.block(place))
+        own = {"N": 10.0, "T_f": 1.0, "T_i": T_i, "late": self.late(at)}
+        return ScannedDerivative("out", "in", own, **self.scans(at), name=self.block(place))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the filter of the derivative as parameters of the block."""

@@ -8,12 +8,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.blocks.block import Block, Kernels
-from stickslip.blocks.one_to_one import OneToOne
 from stickslip.blocks.rate_limiter import RateLimiter
-from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter
-from stickslip.gap.insertion.of_controller import OfController
+from stickslip.gap.insertion.of_controller import AtScans, OfController
 
 
 def _step(x: float, in_: float, rate: float, dt: float) -> tuple[float, float]:
@@ -21,25 +19,15 @@ def _step(x: float, in_: float, rate: float, dt: float) -> tuple[float, float]:
     return x, x
 
 
-class ScannedRamp(OneToOne):
+class ScannedRamp(AtScans):
     """A signal that moves by ``rate`` [unit per s] at most, at the scans of a controller.
 
     >>> from stickslip.diagram import drive
-    >>> drive(ScannedRamp("y", "u", rate=0.4, dt=1.0), 3.0, every=1.0, u=1.0).log["y"].round(9).tolist()
+    >>> drive(ScannedRamp("y", "u", {"rate": 0.4}, dt=1.0), 3.0, every=1.0, u=1.0).log["y"].round(9).tolist()
     [0.4, 0.8, 1.0, 1.0]
     """
 
-    role = Role.FILTER
     kernels = Kernels(step=_step)
-    period_param = "dt"
-    offset_param = "offset"
-    same_unit = True
-
-    def __init__(
-        self, signal: str, source: str, rate: float, dt: float, *, offset: float = 0.0, name: str = ""
-    ) -> None:
-        params = {"rate": rate, "dt": dt, "offset": offset}
-        super().__init__(signal, source, params, memory={"x": 0.0}, start_output=[0.0], unit="", name=name)
 
 
 class SetpointRamp(OfController):
@@ -58,8 +46,7 @@ class SetpointRamp(OfController):
         at = diagram[place]
         if not at.sampled:
             return RateLimiter("out", "in", 1.0, name=self.block(place))
-        scans = {key: value for key, value in self.scans(at).items() if key != "late"}
-        return ScannedRamp("out", "in", 1.0, **scans, name=self.block(place))
+        return ScannedRamp("out", "in", {"rate": 1.0}, **self.scans(at), name=self.block(place))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the rate, both ways."""

@@ -40,9 +40,10 @@ class SetpointWeight(OfController):
         T_i = at.params["T_i"]
         if not at.sampled:
             return LeadLag("out", "in", T_i, T_i, name=self.block(place))
-        scans = self.scans(at)
-        share = at.period / (T_i + (not scans["late"]) * at.period)
-        return ScannedLeadLag("out", "in", 1.0, share, **scans, name=self.block(place))
+        late = self.late(at)
+        share = at.period / (T_i + (1.0 - late) * at.period)
+        own = {"ratio": 1.0, "share": share, "late": late}
+        return ScannedLeadLag("out", "in", own, **self.scans(at), name=self.block(place))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the weight as the lead."""

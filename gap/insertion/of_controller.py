@@ -5,7 +5,8 @@ at scans, each dt:      x_k = x_(k-1) + s (u_k - x_(k-1)),     s = dt/(lag + dt)
 or, a scan late:        x_k = x_(k-1) + s (u_(k-1) - x_(k-1)), s = dt/lag
 """
 
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import ClassVar
 
 from stickslip.blocks.block import Block, Kernels
 from stickslip.blocks.one_to_one import OneToOne
@@ -23,27 +24,32 @@ def _step(x: float, in_: float, ratio: float, share: float, late: float) -> tupl
     return x, shown
 
 
-class ScannedLeadLag(OneToOne):
+class AtScans(OneToOne):
+    """What a controller computes of one signal at its scans; subclasses give ``kernels`` and ``memories``."""
+
+    role = Role.FILTER
+    period_param = "dt"
+    offset_param = "offset"
+    same_unit = True
+    memories: ClassVar[tuple[str, ...]] = ("x",)
+
+    def __init__(
+        self, signal: str, source: str, params: Mapping[str, float], *, dt: float, offset: float = 0.0, name: str = ""
+    ) -> None:
+        memory, given = dict.fromkeys(self.memories, 0.0), {**params, "dt": dt, "offset": offset}
+        super().__init__(signal, source, given, memory=memory, start_output=[0.0], unit="", name=name)
+
+
+class ScannedLeadLag(AtScans):
     """A lead and a lag that a controller computes at its scans; ``late``: the lag takes in what was read a scan ago.
 
     >>> from stickslip.diagram import drive
-    >>> lead = ScannedLeadLag("y", "u", ratio=3.0, share=0.5, dt=1.0)
+    >>> lead = ScannedLeadLag("y", "u", {"ratio": 3.0, "share": 0.5, "late": 0.0}, dt=1.0)
     >>> drive(lead, 2.0, every=1.0, u=1.0).log["y"].tolist()
     [2.0, 1.5, 1.25]
     """
 
-    role = Role.FILTER
     kernels = Kernels(step=_step)
-    period_param = "dt"
-    offset_param = "offset"
-    same_unit = True
-
-    def __init__(
-        self, signal: str, source: str, ratio: float, share: float, dt: float, *, offset: float = 0.0,
-        late: bool = False, name: str = "",
-    ) -> None:  # fmt: skip
-        params = {"ratio": ratio, "share": share, "late": float(late), "dt": dt, "offset": offset}
-        super().__init__(signal, source, params, memory={"x": 0.0}, start_output=[0.0], unit="", name=name)
 
 
 class OfController(Inserted):
@@ -58,7 +64,10 @@ class OfController(Inserted):
         found = block.loop_signal(self.reads)
         return str(found) if found in block.input_labels else None
 
-    def scans(self, controller: Block) -> dict[str, Any]:
-        """Return when a controller scans, and whether its integral takes in the previous error."""
-        offset = controller.params.get(controller.offset_param or "", 0.0)
-        return {"dt": controller.period, "offset": offset, "late": controller.params.get("present") == 0.0}
+    def scans(self, controller: Block) -> dict[str, float]:
+        """Return when a controller scans."""
+        return {"dt": controller.period, "offset": controller.params.get(controller.offset_param or "", 0.0)}
+
+    def late(self, controller: Block) -> float:
+        """Return 1 for a controller that scans and whose integral takes in the previous error, else 0."""
+        return float(controller.params.get("present") == 0.0)

@@ -9,7 +9,7 @@ A spread is that of a random walk halfway between its rows: what one row misses 
 the square root of two.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from stickslip.gap.filters.filtering import Filtered
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
-FEWEST = 3  # rows at which an input moves, that may be a ramp
+RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 FELT = 0.1  # standard deviations of what a filter misses of OP, from which on a doubt shows in some hundred rows
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
@@ -66,8 +66,7 @@ def felt(record: Record, plain: Filtered) -> bool:
     """Return whether outputs of controllers feel the doubts of their set points, beside what a filter misses."""
     f = plain.explanation.filtering
     doubts = rounded(record)
-    moving = [s for s in record.played if len(switch_rows(record.log, s)) > FEWEST and not switches(record.log, s)]
-    doubts |= {s: in_lines(record, s) for s in moving}
+    doubts |= {s: in_lines(record, s) for s in record.played if moves(record, s)}
     for name in f.controllers:
         block = f.quiet[name]
         op, sp = str(block.output_labels[0]), str(block.loop_signal("SP"))
@@ -76,6 +75,11 @@ def felt(record: Record, plain: Filtered) -> bool:
             if off > FELT * float(np.sqrt(np.nanmedian(plain.S[:, f.signals.index(op)]))):
                 return True
     return False
+
+
+def moves(record: Record, signal: str) -> bool:
+    """Return whether an input moves at row after row, in place of switching at a few."""
+    return len(switch_rows(record.log, signal)) > RAMP and not switches(record.log, signal)
 
 
 def in_lines(record: Record, signal: str) -> Doubt:
@@ -87,18 +91,17 @@ def in_lines(record: Record, signal: str) -> Doubt:
 
 
 def played(
-    record: Record, doubts: Mapping[str, Doubt], stops: Floats, row_of: NDArray[np.int64], seed: int
-) -> dict[str, Recorded]:
-    """Return what may have driven the inputs: with digits, and ways between rows, that the log has not."""
-    rng, found = np.random.default_rng(seed), {}
-    for s in record.played:
-        source = record.source(s)
-        if s in doubts:
-            phi, sd = doubts[s].drawn(record.log.t, record.log[s], stops, row_of)
-            values = np.array([float(source.output(t, [], [])[0]) for t in stops.tolist()])
+    record: Record, doubts: Mapping[str, Doubt], stops: Floats, row_of: NDArray[np.int64], seeds: Iterable[int]
+) -> Iterator[dict[str, Recorded]]:
+    """Yield what may have driven the inputs: with digits, and ways between rows, that the log has not."""
+    sources = {s: record.source(s) for s in record.played}
+    lines = {s: np.array([float(sources[s].output(t, [], [])[0]) for t in stops.tolist()]) for s in doubts}
+    drawn = {s: one.drawn(record.log.t, record.log[s], stops, row_of) for s, one in doubts.items()}
+    for seed in seeds:
+        rng, found = np.random.default_rng(seed), dict(sources)
+        for s, (phi, sd) in drawn.items():
             d, now = np.empty(len(stops)), 0.0
             for k, new in enumerate((sd * rng.standard_normal(len(stops))).tolist()):
                 now = d[k] = phi[k] * now + new
-            source = Recorded(s, stops, values + d, hold="previous", name=source.name)
-        found[s] = source
-    return found
+            found[s] = Recorded(s, stops, lines[s] + d, hold="previous", name=sources[s].name)
+        yield found

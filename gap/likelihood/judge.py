@@ -77,12 +77,12 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
 
 def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:
     """Return logs of runs of a fit, some with each guess at what the log does not tell of its inputs."""
-    f, model, found = fit.hypothesis.frame, fit.hypothesis.model(fit.best.values), []
-    guesses = GUESSES if f.doubts else 1
-    for k in range(guesses):
-        inputs = played(f.record, f.doubts, *f.stops, seed + k) if f.doubts else None
-        found += without_gap(model, f.record, runs // guesses, seed + k * runs, inputs)
-    return found
+    f, model = fit.hypothesis.frame, fit.hypothesis.model(fit.best.values)
+    if not f.doubts:
+        return without_gap(model, f.record, runs, seed)
+    guesses = played(f.record, f.doubts, *f.stops, range(seed, seed + GUESSES))
+    each = [without_gap(model, f.record, runs // GUESSES, seed + k * runs, own) for k, own in enumerate(guesses)]
+    return [log for logs in each for log in logs]
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:

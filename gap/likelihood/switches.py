@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
-from stickslip.gap.likelihood.inputs import FEWEST, in_lines
+from stickslip.gap.likelihood.inputs import in_lines, moves
 from stickslip.gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ def with_ramps(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do."""
     frame = now.hypothesis.frame
     for s in frame.record.played:
-        if len(switch_rows(frame.record.log, s)) > FEWEST and not switches(frame.record.log, s):
+        if moves(frame.record, s):
             record = replace(frame.record, ramps=frame.record.ramps | {s})
             doubts = {**frame.doubts, s: in_lines(record, s)}
             found = tried(replace(now.hypothesis, frame=replace(frame, record=record, doubts=doubts)), now.values)
