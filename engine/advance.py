@@ -140,7 +140,7 @@ def advance(I, W, EV, room, times, n_times, log, t_end, last):  # type: ignore[n
             return TOO_MANY_STEPS
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def renew(I, W, EV):  # type: ignore[no-untyped-def]
     """Carry out everything that happens at the present instant: samples, transitions, another pace; return a status."""
     n = I[N_STATES]
@@ -189,7 +189,7 @@ def look(I, W):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def land_on_event(I, W, EV, crossing, h):  # type: ignore[no-untyped-def]
     """End the step at the event found in it and let it happen; return False if too many follow each other."""
     interpolate(I, W, crossing)

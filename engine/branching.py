@@ -85,7 +85,7 @@ class Kept:
     measures: Floats
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def put_in_mode(I, W, EV, row, mode):  # type: ignore[no-untyped-def]
     """Put a block into a mode at the present instant, by a transition of its own first: so it stays where it is."""
     d = I[row + D]
@@ -106,7 +106,7 @@ def put_in_mode(I, W, EV, row, mode):  # type: ignore[no-untyped-def]
     I[FRESH] = 2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def event_call(I, row):  # type: ignore[no-untyped-def]
     """Return where in the program of event functions the call of a block stands."""
     place = I[P_EVENTS]
@@ -117,7 +117,7 @@ def event_call(I, row):  # type: ignore[no-untyped-def]
     return place
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def run_branch(ints, floats, buffer, grid, rows, row, modes, which, t_end, last):  # type: ignore[no-untyped-def]
     """Advance on one branch: ``OWN``, or twice the number of a mode, and one more to hold the block in it."""
     I, W = pointer_to(ints), pointer_to(floats)
@@ -149,7 +149,7 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def run_from(  # type: ignore[no-untyped-def]
     ints,
     floats,

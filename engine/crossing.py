@@ -42,7 +42,7 @@ def highest(I, W):  # type: ignore[no-untyped-def]
     return top
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions at the fraction ``s`` of the step; return the largest."""
     interpolate(I, W, s)
@@ -67,7 +67,7 @@ def at_end(I, W, t, h, there):  # type: ignore[no-untyped-def]
     return highest(I, W)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def glance(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions inside the step as ``at_fraction`` does, but take rates from the dense output."""
     if I[RATES_NOW]:
@@ -87,7 +87,7 @@ def glance(I, W, t, h, s):  # type: ignore[no-untyped-def]
     return highest(I, W)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def top_of_parabola(start, middle, end):  # type: ignore[no-untyped-def]
     """Return where a function, known at the fractions 0, 1/2 and 1, may rise above zero in between, or 0."""
     bend = 2.0 * (start - 2.0 * middle + end)
@@ -98,7 +98,7 @@ def top_of_parabola(start, middle, end):  # type: ignore[no-untyped-def]
     return -0.5 * slope / bend if start + rise > 0.1 * (min(start, end) - start - rise) else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, to within ``finest``, or 2 if none does.
 
@@ -154,7 +154,7 @@ def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     return right
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def crossing_ahead(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the fraction at which the first event fires, 2 if none does, -1 if a stiff step is to be tried shorter."""
     coarse = I[METHOD] == 1 and I[CLOSER] < MOST_CLOSER

@@ -71,7 +71,7 @@ def delayed(I, W, row, t):  # type: ignore[no-untyped-def]
     return top / bottom
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def happens(I, row, level):  # type: ignore[no-untyped-def]
     """Let what happens at the outputs of a block reach the dead times: 0 a jump, 1 a kink, ..."""
     reach = I[row + REACH]
@@ -81,7 +81,7 @@ def happens(I, row, level):  # type: ignore[no-untyped-def]
             I[to + ENTERS] = min(I[to + ENTERS], level + passes)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def open_record(I, W, row, t, h):  # type: ignore[no-untyped-def]
     """Start the record of the step ``[t, t + h]`` and return where its values go, or -1 if the ring is full."""
     base = I[row + DELAY]
@@ -105,7 +105,7 @@ def open_record(I, W, row, t, h):  # type: ignore[no-untyped-def]
     return at + D_V
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def close_record(I, W, row, nothing):  # type: ignore[no-untyped-def]
     """Take a jump that turned out to be none (less than the share ``nothing`` of W[ATOL], W[RTOL]) as a kink."""
     base, cap, last = I[row + DELAY], I[row + CAPACITY], I[row + HEAD] - 1
@@ -118,7 +118,7 @@ def close_record(I, W, row, nothing):  # type: ignore[no-untyped-def]
             W[at + D_LEVEL] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def let_out(I, W, row, t):  # type: ignore[no-untyped-def]
     """Let the breakpoints that have left the delay by ``t`` happen at its output, and look at the next one."""
     base, cap, theta = I[row + DELAY], I[row + CAPACITY], W[I[row + P]]

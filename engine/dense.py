@@ -7,7 +7,7 @@ from stickslip.logs.compiled import njit
 TOGETHER = 8  # rows
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def interpolate(I, W, s):  # type: ignore[no-untyped-def]
     """Write the state at the fraction ``s`` of the last step to ``W[O_X]``.
 
@@ -47,7 +47,7 @@ def interpolate(I, W, s):  # type: ignore[no-untyped-def]
         W[x + i] = W[c + i] + total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def interpolate_rows(I, W, times, first, count, t, h):  # type: ignore[no-untyped-def]
     """Write the states at ``count`` times from ``times[first]`` on, inside the step, to ``W[O_CX]``, row by row.
 

@@ -67,7 +67,7 @@ from stickslip.logs.compiled import njit
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def fire(I, W, EV, row, which):  # type: ignore[no-untyped-def]
     """Let one block make the transition of its event function ``which`` and note it in the event log."""
     d = I[row + D]
@@ -99,7 +99,7 @@ def note(I, W, EV, row, before):  # type: ignore[no-untyped-def]
         I[EV_COUNT] += 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def looks_at_rates(I, W, row):  # type: ignore[no-untyped-def]
     """Return whether the event functions of a block look at the rates of its inputs in its present mode."""
     if not I[row + RATES] or I[row + NG] == 0:
@@ -111,7 +111,7 @@ def looks_at_rates(I, W, row):  # type: ignore[no-untyped-def]
     return I[modes] == 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def watch_rates(I, W):  # type: ignore[no-untyped-def]
     """Note whether any event functions look at rates in the present modes."""
     I[RATES_NOW] = 0
@@ -120,7 +120,7 @@ def watch_rates(I, W):  # type: ignore[no-untyped-def]
             I[RATES_NOW] = 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
     """Fire the first positive event function of every block; inputs must be current, and rates where they are watched.
 
@@ -147,7 +147,7 @@ def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
     return fired
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def fire_waiting(I, W, EV):  # type: ignore[no-untyped-def]
     """Fire what had not been positive at the left of the interval; the rest belongs to ``settle``."""
     for i in range(I[N_EVENTS]):
@@ -156,7 +156,7 @@ def fire_waiting(I, W, EV):  # type: ignore[no-untyped-def]
     fire_positive(I, W, EV)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def show_jump(I, W, EV, row):  # type: ignore[no-untyped-def]
     """Show a block that watches rates what its inputs have jumped by since it was last shown; return whether they have.
 
@@ -182,7 +182,7 @@ def show_jump(I, W, EV, row):  # type: ignore[no-untyped-def]
     return jumped
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
     """Show signal jumps to all blocks that watch rates; return whether any transition follows."""
     before = I[EVENTS]
@@ -214,7 +214,7 @@ def settle(I, W, EV):  # type: ignore[no-untyped-def]
             return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def begin_instant(I, W):  # type: ignore[no-untyped-def]
     """Look at the present from its right side: keep what may jump as it is before it, lift the left limit."""
     if I[EVENTS_SEEN] == -1:
@@ -223,7 +223,7 @@ def begin_instant(I, W):  # type: ignore[no-untyped-def]
     W[T_LEFT] = np.inf
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def keep_inputs(I, W):  # type: ignore[no-untyped-def]
     """Keep the inputs of the blocks that watch rates: what they are next differs from them by a jump."""
     for k in range(I[N_WATCHING]):
@@ -232,7 +232,7 @@ def keep_inputs(I, W):  # type: ignore[no-untyped-def]
             W[I[row + SHOWN] + i] = W[I[O_S] + I[I[row + WIRES] + i]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def stop_at(I, W, at):  # type: ignore[no-untyped-def]
     """Do not step over ``at``; instants that differ by rounding only are one, at the last of them.
 

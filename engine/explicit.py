@@ -49,7 +49,7 @@ _DENSE = np.array(
 )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def explicit_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]`` (first stage at ``W[O_K]``); return (error norm, stiffness ratio)."""
     n = I[N_STATES]
@@ -84,7 +84,7 @@ def explicit_step(I, W, t, h):  # type: ignore[no-untyped-def]
     return worst, h * slope / max(change, 1e-300)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def explicit_dense(I, W, h):  # type: ignore[no-untyped-def]
     """Prepare the dense output of the step just accepted."""
     n = I[N_STATES]

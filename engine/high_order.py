@@ -26,7 +26,7 @@ from stickslip.logs.compiled import njit
 HIGH_STIFF_RATIO = 6.1  # h |df/dy| beyond this is the stability limit of the method at work
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def high_order_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]`` (first stage at ``W[O_K]``); return (error norm, stiffness ratio)."""
     n = I[N_STATES]
@@ -62,7 +62,7 @@ def high_order_step(I, W, t, h):  # type: ignore[no-untyped-def]
     return worst, h * slope / max(change, 1e-300)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def high_order_dense(I, W, t, h):  # type: ignore[no-untyped-def]
     """Prepare the dense output of the step just accepted, at the cost of three more rates."""
     n = I[N_STATES]

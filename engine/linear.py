@@ -20,7 +20,7 @@ from stickslip.engine.layout import (
 from stickslip.logs.compiled import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def factorise(I, W, diagonal):  # type: ignore[no-untyped-def]
     """Factorise ``diagonal - J``; return whether that went well.  The factors hold inverse diagonals."""
     n, lu, jac = I[N_STATES], I[O_LU], I[O_JAC]

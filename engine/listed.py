@@ -24,7 +24,7 @@ def number_at(typingctx, address, index):  # type: ignore[no-untyped-def]
     return sig, codegen
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def listed_time(I, row):  # type: ignore[no-untyped-def]
     """Return the time of the next row of a block's timetable, infinity behind the last."""
     if I[row + COUNT] >= I[row + TABLE_ROWS]:
@@ -32,7 +32,7 @@ def listed_time(I, row):  # type: ignore[no-untyped-def]
     return number_at(I[row + TABLE], I[row + COUNT] * I[row + TABLE_WIDTH])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def put_row(I, W, row, which):  # type: ignore[no-untyped-def]
     """Put the values of one row in force."""
     first = which * I[row + TABLE_WIDTH]
@@ -40,7 +40,7 @@ def put_row(I, W, row, which):  # type: ignore[no-untyped-def]
         W[I[row + TABLE_VALUES] + i - 1] = number_at(I[row + TABLE], first + i)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def find_row(I, W, row, before):  # type: ignore[no-untyped-def]
     """Pass all rows before a time (the run begins there) and put the last of them in force."""
     low, high = 0, I[row + TABLE_ROWS]

@@ -44,7 +44,7 @@ MOST_GROWTH = 10.0  # of a step over the one before
 APART = 1e-6  # transitions that follow each other faster than this [s] crowd
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def mode_slot(I, W):  # type: ignore[no-untyped-def]
     """Return where the first step after an event into the present combination of modes is remembered."""
     key = 0
@@ -55,7 +55,7 @@ def mode_slot(I, W):  # type: ignore[no-untyped-def]
     return key
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def restart(I, W):  # type: ignore[no-untyped-def]
     """Choose method and first step after an event; 0, to be guessed, where these modes are new."""
     slot = mode_slot(I, W)
@@ -70,7 +70,7 @@ def restart(I, W):  # type: ignore[no-untyped-def]
         I[LEARN] = 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def first_step(I, W):  # type: ignore[no-untyped-def]
     """Guess a first step from the size of the state, its rate and one probing Euler step."""
     n = I[N_STATES]
@@ -104,7 +104,7 @@ def proposed(W, left):  # type: ignore[no-untyped-def]
     return 0.5 * left if h > 0.5 * left else h
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def after_refusal(W, h, error, power):  # type: ignore[no-untyped-def]
     """Shorten the proposal after a step whose ``error`` was too large."""
     W[STEP] = h * max(0.1, 0.9 * error ** (-power)) if np.isfinite(error) else 0.1 * h
@@ -129,7 +129,7 @@ def after_step(I, W, h, left, error, power, refused):  # type: ignore[no-untyped
         W[STEP] = max(W[STEP], h * growth)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def watch_stiffness(I, W, limited):  # type: ignore[no-untyped-def]
     """Count explicit steps that stability limits, if the method is free; after many take the stiff one in these modes.
 

@@ -60,7 +60,7 @@ ORDERS = np.array([5.0, 5.0, 8.0])
 FACTORIALS = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0, 40320.0, 362880.0, 3628800.0])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def store_delays(I, W, t, h, part):  # type: ignore[no-untyped-def]
     """Record what enters each dead time during the used part of the step; return False if a ring is full."""
     for k in range(I[N_DELAYS]):
@@ -96,7 +96,7 @@ def arrive(I, W):  # type: ignore[no-untyped-def]
             happens(I, row, 0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def limit_by_delays(I, W):  # type: ignore[no-untyped-def]
     """Stop at breakpoints that the method sees, and never step further than what is needed within the step is known."""
     for k in range(I[N_REPLAYED]):
@@ -129,7 +129,7 @@ def limit_by_delays(I, W):  # type: ignore[no-untyped-def]
         I[SMOOTH_STOP] = level > KINK
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def latest_end(I, W, row, latest):  # type: ignore[no-untyped-def]
     """Return where the next step must end, ``latest`` or earlier, for the breakpoints that leave one dead time.
 

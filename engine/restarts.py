@@ -31,7 +31,7 @@ from stickslip.engine.sweep import signals
 from stickslip.logs.compiled import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def restore(ints, floats, kept_ints, kept_floats):  # type: ignore[no-untyped-def]
     """Set a run back to what was kept of it: its first integers, and its first floats."""
     ints[: len(kept_ints)] = kept_ints

@@ -84,7 +84,7 @@ _STAGES = 8
 BETWEEN = 1.0  # error norm of the dense output that a step may have
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]``; the rates there stand at ``W[O_K]``; return the error norm.
 
@@ -138,7 +138,7 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def _error_between(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the error norm of the dense output in the middle of a step.
 
@@ -161,7 +161,7 @@ def _error_between(I, W, t, h):  # type: ignore[no-untyped-def]
     return np.sqrt(worst / max(n, 1))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def rosenbrock_dense(I, W):  # type: ignore[no-untyped-def]
     """Prepare the dense output of the step just accepted, in the form of ``dense.interpolate``."""
     n = I[N_STATES]

@@ -45,7 +45,7 @@ from stickslip.logs.compiled import njit
 MANY = 4  # rows in a step of a series, from which it pays to make series of the signals too
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def write_rows_now(I, W, times, log, current):  # type: ignore[no-untyped-def]
     """Write the log rows that are due at the present; ``current``: the signals are those of the present."""
     present = W[T] + clock(W)
@@ -61,7 +61,7 @@ def write_rows_now(I, W, times, log, current):  # type: ignore[no-untyped-def]
         I[ROW] += 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def write_rows_inside(I, W, times, log, t, h, t_new, share):  # type: ignore[no-untyped-def]
     """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``.
 
@@ -94,7 +94,7 @@ def write_rows_inside(I, W, times, log, t, h, t_new, share):  # type: ignore[no-
         I[ROW] = first + count
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def _hold_signals(I, W, row, count):  # type: ignore[no-untyped-def]
     """Repeat the outputs of a block that stands still between two instants in all rows of the chunk."""
     ns, first, cs = I[N_SIGNALS], I[row + Y], I[O_CS]
@@ -103,7 +103,7 @@ def _hold_signals(I, W, row, count):  # type: ignore[no-untyped-def]
             W[cs + r * ns + first + j] = W[I[O_S] + first + j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def _chunk_signals(I, W, row, times, first, count):  # type: ignore[no-untyped-def]
     """Compute one moving block's outputs for all rows of the chunk."""
     n, ns = I[N_STATES], I[N_SIGNALS]

@@ -38,7 +38,7 @@ from stickslip.engine.sweep import clock, gather
 from stickslip.logs.compiled import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def turn_tables(I, W):  # type: ignore[no-untyped-def]
     """Put the rows of the timetables that are due now in force, but for blocks that take samples then."""
     now = W[T] + clock(W)
@@ -82,7 +82,7 @@ def due(I, W, row):  # type: ignore[no-untyped-def]
     return W[I[row + OFFSET]] + I[row + COUNT] * W[I[row + PERIOD]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def run_step(I, W, row):  # type: ignore[no-untyped-def]
     """Take one sample of one block: new memory, new held outputs."""
     happens(I, row, 0)
@@ -99,7 +99,7 @@ def run_step(I, W, row):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def begin_run(I, W):  # type: ignore[no-untyped-def]
     """Count the samples that lie before the start, or at it if the run continues one that has taken them.
 

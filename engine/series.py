@@ -66,7 +66,7 @@ def again_size(n: int) -> int:
     return AGAIN + 3 * n * (n + 1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def series_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]`` (rates there at ``W[O_K]``).
 
@@ -104,7 +104,7 @@ def series_step(I, W, t, h):  # type: ignore[no-untyped-def]
     return 4.0, 2, False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def comes_again(I, W, h, model):  # type: ignore[no-untyped-def]
     """Return whether a step of this length in this mode is kept; keep it if it is the second in a row."""
     again, mode = I[O_AGAIN], I[MODEL] + 1.0
@@ -117,7 +117,7 @@ def comes_again(I, W, h, model):  # type: ignore[no-untyped-def]
     return second
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def keep_step(I, W, h, model):  # type: ignore[no-untyped-def]
     """Write (E, e), (H, k) and the last terms of E and e, each column by column, behind ``W[O_AGAIN]``."""
     n, again = I[N_STATES], I[O_AGAIN]
@@ -143,7 +143,7 @@ def keep_step(I, W, h, model):  # type: ignore[no-untyped-def]
         copy(W, here, last + column * n, n)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def step_again(I, W):  # type: ignore[no-untyped-def]
     """Write the end of a kept step to ``W[O_Y1]``; return its last term as ``add_terms`` does."""
     n = I[N_STATES]
@@ -163,7 +163,7 @@ def step_again(I, W):  # type: ignore[no-untyped-def]
     return norm
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def half_again(I, W):  # type: ignore[no-untyped-def]
     """Write the middle of a kept step to ``W[O_X]``."""
     n = I[N_STATES]
@@ -175,7 +175,7 @@ def half_again(I, W):  # type: ignore[no-untyped-def]
         W[I[O_X] + i] = W[I[O_Y0] + i] + total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def make_terms(I, W):  # type: ignore[no-untyped-def]
     """Make the terms of a kept step, whose end stays as it is."""
     n = I[N_STATES]
@@ -184,7 +184,7 @@ def make_terms(I, W):  # type: ignore[no-untyped-def]
     copy(W, I[O_X], I[O_Y1], n)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def add_terms(I, W, h, model):  # type: ignore[no-untyped-def]
     """Write the terms to ``W[O_CONT]`` and their sum to ``W[O_Y1]``; return (last term, terms, h |A| as terms show it).
 
@@ -235,7 +235,7 @@ def defect(I, W, h, model):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def identify(I, W, t, h, model):  # type: ignore[no-untyped-def]
     """Take A and g from rates around the present states or, where these lie on the edge of their mode, farther on.
 
@@ -250,7 +250,7 @@ def identify(I, W, t, h, model):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def taken_at(I, W, t, h, model, place):  # type: ignore[no-untyped-def]
     """Take A and g at this share of the step along the present rates; return whether the rates are affine there."""
     n = I[N_STATES]
@@ -286,7 +286,7 @@ def taken_at(I, W, t, h, model, place):  # type: ignore[no-untyped-def]
     return affine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def event_at_end(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return whether an event fires within the step, as its end shows; signals and rates must be those of the end."""
     if I[N_EVENTS] == 0:

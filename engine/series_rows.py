@@ -41,7 +41,7 @@ from stickslip.engine.sweep import signals
 from stickslip.logs.compiled import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def series_rows(I, W, times, log, t, h, t_new, share):  # type: ignore[no-untyped-def]
     """Write the log rows strictly before ``t_new`` from the series of the signals; return whether these hold.
 
@@ -96,7 +96,7 @@ def series_rows(I, W, times, log, t, h, t_new, share):  # type: ignore[no-untype
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def terms_of(I, W, i, terms, h, q):  # type: ignore[no-untyped-def]
     """Write the terms of signal ``i`` to ``W[q]``; return how many there are, 0 if it does not move."""
     n = I[N_STATES]
@@ -116,7 +116,7 @@ def terms_of(I, W, i, terms, h, q):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def take_affine(I, W, t, h, start):  # type: ignore[no-untyped-def]
     """Take C and d from signals around the states at the start of the step, where they are those at ``W[start]``."""
     n, ns = I[N_STATES], I[N_SIGNALS]

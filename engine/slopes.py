@@ -110,7 +110,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
     return 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def passing_on(A, H):  # type: ignore[no-untyped-def]
     """Return where each state goes that does nothing else, (n,); -1 for others."""
     n = len(A)
@@ -125,7 +125,7 @@ def passing_on(A, H):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def same_kind(base, behind, floats, modes, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
     """Return the slot of stops like this one, by what sampled on the way; -1 for one with events, or for none left.
 
@@ -186,7 +186,7 @@ def straight(  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def as_steep(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, places, shown, noisy, t, phi, sd, k, A, B, H, G, z, D, columns, behind, y, E, Y,
     width, aside, drawn,

@@ -56,7 +56,7 @@ def compressed(D, columns, size, L):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
     """Write the spread behind a stop, of the state to ``E`` and of signals to ``Y``; return how many columns it has."""
     n, m, q = len(A), len(H), len(sd)
@@ -102,7 +102,7 @@ def narrowed(D, columns, size, q):  # type: ignore[no-untyped-def]
     return columns
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def with_room(pool, count):  # type: ignore[no-untyped-def]
     """Return a pool of slopes that has room for one more."""
     if count < len(pool):
@@ -112,7 +112,7 @@ def with_room(pool, count):  # type: ignore[no-untyped-def]
     return larger
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # type: ignore[no-untyped-def]
     """Let signal ``i`` of a row set the state right, and the signals behind it; return whether it says anything.
 
@@ -137,7 +137,7 @@ def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # t
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def set_right(E, own, width, s, off, less, z, gains):  # type: ignore[no-untyped-def]
     """Move ``z`` of the factor ``E`` by what an innovation ``off`` of variance ``s`` says, and narrow its spread."""
     for p in range(len(E)):
@@ -151,7 +151,7 @@ def set_right(E, own, width, s, off, less, z, gains):  # type: ignore[no-untyped
             E[p, j] -= less * g * own[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def add_bend(  # type: ignore[no-untyped-def]
     up, down, middle, y_up, y_down, y_middle, bend, y_bend, turn, most, way, y_way
 ):
@@ -178,7 +178,7 @@ def add_bend(  # type: ignore[no-untyped-def]
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def one_bend(A, H, B, G, sd, D, columns, bend, y_bend):  # type: ignore[no-untyped-def]
     """Make one column of what bends, with the signs of the largest; none where it is a small part of the spread."""
     n, m, q = len(A), len(H), len(sd)
@@ -189,7 +189,7 @@ def one_bend(A, H, B, G, sd, D, columns, bend, y_bend):  # type: ignore[no-untyp
         G[i, q] = math.copysign(math.sqrt(y_bend[i] / SHARP), G[i, q]) if shows else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def matters(A, B, sd, D, columns, bend):  # type: ignore[no-untyped-def]
     """Return whether what bends is more than a small part of the spread of anything."""
     for i in range(len(A)):

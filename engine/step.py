@@ -77,7 +77,7 @@ def step(I, W):  # type: ignore[no-untyped-def]
     return h, limited
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def prepare_dense(I, W, t, h):  # type: ignore[no-untyped-def]
     """Prepare the dense output of the step just accepted."""
     if I[METHOD] == 3:

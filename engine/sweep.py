@@ -54,7 +54,7 @@ def play(I, W, t, program):  # type: ignore[no-untyped-def]
     play_calls(I, W, t, I[program], I[program + 1])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def play_calls(I, W, t, at, calls):  # type: ignore[no-untyped-def]
     """Carry out so many calls of a program, the first of which stands at ``at``."""
     if t > W[T_LEFT]:
@@ -85,7 +85,7 @@ def rates(I, W, t):  # type: ignore[no-untyped-def]
     play(I, W, t, P_RATES)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def signal_rates(I, W, t):  # type: ignore[no-untyped-def]
     """Estimate d(signal)/dt along the flow by one shifted sweep; needs ``W[O_F]`` and the signals at ``t``.
 
@@ -111,7 +111,7 @@ def signal_rates(I, W, t):  # type: ignore[no-untyped-def]
         W[x + i] = W[tmp + i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
     """Fill a block's input buffer with its inputs and, behind them, their rates if it asks for them."""
     gather(I, W, row)
@@ -122,14 +122,14 @@ def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
             W[I[row + U] + nu + i] = W[I[O_RATE] + I[wires + i]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def evaluate_events(I, W, t):  # type: ignore[no-untyped-def]
     """Bring signals, rates (where asked for) and event functions up to date at ``t``."""
     play(I, W, t, P_MOVING if I[RATES_NOW] else P_EVENT_SIGNALS)
     events_of_signals(I, W, t)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def events_of_signals(I, W, t):  # type: ignore[no-untyped-def]
     """Bring rates (where asked for) and event functions up to date; the signals must be those at ``t``."""
     if I[RATES_NOW]:

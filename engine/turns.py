@@ -98,13 +98,13 @@ def _samples(block: FlatBlock) -> bool:
     return block.step is not None or block.kind == at.HOSTED
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def restart_sweep(I):  # type: ignore[no-untyped-def]
     """Begin a sweep over all signals, to be carried on by ``sweep_to``."""
     I[SWEEP_PLACE], I[SWEEP_CALLS] = I[P_SIGNALS], 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def sweep_to(I, W, place, calls):  # type: ignore[no-untyped-def]
     """Carry the sweep on to a place in the program of all signals, unless it is further."""
     if calls > I[SWEEP_CALLS]:
@@ -112,14 +112,14 @@ def sweep_to(I, W, place, calls):  # type: ignore[no-untyped-def]
         I[SWEEP_PLACE], I[SWEEP_CALLS] = place, calls
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def end_sweep(I, W):  # type: ignore[no-untyped-def]
     """Carry the sweep on to its end."""
     play_calls(I, W, W[T], I[SWEEP_PLACE], I[P_SIGNALS + 1] - I[SWEEP_CALLS])
     I[CURRENT] = 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def sweep_again(I, row):  # type: ignore[no-untyped-def]
     """Take the sweep back to where the outputs of a block, which may have changed, come in."""
     if not I[row + FEEDS]:
@@ -129,7 +129,7 @@ def sweep_again(I, row):  # type: ignore[no-untyped-def]
         I[SWEEP_PLACE], I[SWEEP_CALLS] = I[row + SWEPT], I[row + SWEPT_CALLS]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def take_turn(I, W, EV, row):  # type: ignore[no-untyped-def]
     """Settle the modes of one block, then take its sample if it is due.
 
@@ -165,7 +165,7 @@ def take_turn(I, W, EV, row):  # type: ignore[no-untyped-def]
         sweep_again(I, row)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def take_turns(I, W, EV, begins):  # type: ignore[no-untyped-def]
     """Let all blocks take their turns, as the run ``begins`` or goes on; return False if transitions never end."""
     rows, count = (I[L_STARTING], I[N_STARTING]) if begins else (I[L_TURNS], I[N_TURNS])

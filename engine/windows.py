@@ -104,7 +104,7 @@ def differs(I, W, row, I2, W2, row2):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def hand_over(I, W, row, I2, W2, row2):  # type: ignore[no-untyped-def]
     """Let ``row2`` of another cell replay what ``row`` has recorded."""
     count = I[row + HEAD]
@@ -118,7 +118,7 @@ def hand_over(I, W, row, I2, W2, row2):  # type: ignore[no-untyped-def]
     I2[row2 + HEAD] = count
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def last_line(I, W, row):  # type: ignore[no-untyped-def]
     """Return value and slope at the end of what a link has recorded."""
     at = I[row + DELAY] + (I[row + HEAD] - 1) * D_SIZE
@@ -126,14 +126,14 @@ def last_line(I, W, row):  # type: ignore[no-untyped-def]
     return last, (last - before) * (D_NODES - 1.0) / W[at + D_H] if W[at + D_H] > 1e-6 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def copy_back(source, target, start, count):  # type: ignore[no-untyped-def]
     """Copy a stretch between two arrays of the same form."""
     for i in range(start, start + count):
         target[i] = source[i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def set_back(ints, floats, saved_I, saved_W, cells, c):  # type: ignore[no-untyped-def]
     """Set a cell back to the beginning of the window, but for what it has cost and what its links replay."""
     i, w = cells[c, CELL_I], cells[c, CELL_W]
@@ -149,7 +149,7 @@ def set_back(ints, floats, saved_I, saved_W, cells, c):  # type: ignore[no-untyp
     ints[i + RHS], ints[i + JACOBIANS], ints[i + REJECTED] = rhs, jacobians, rejected
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def run_cell(ints, floats, cells, c, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
     """Advance one cell over the window, its links out written anew; return a status."""
     i, w, first = cells[c, CELL_I], cells[c, CELL_W], cells[c, CELL_LOG]

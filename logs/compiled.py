@@ -18,9 +18,10 @@ from typing import Any
 import numba
 from numba.core import config
 from numba.core.caching import FunctionCache
+from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
-__all__ = ["ReadyCache", "njit", "own_folder"]
+__all__ = ["InnerFunction", "ReadyCache", "njit", "own_folder"]
 
 
 class ReadyCache(FunctionCache):  # type: ignore[misc]
@@ -33,12 +34,25 @@ class ReadyCache(FunctionCache):  # type: ignore[misc]
             return self._load_overload(sig, target_context)
 
 
-def njit(function: Any = None, **options: Any) -> Any:
-    """Return the function compiled as numba's ``njit`` does it; with ``cache`` what is kept is loaded as it is."""
+class InnerFunction(CPUDispatcher):  # type: ignore[misc]
+    """A function that compiled code alone calls: it has no door for Python, of which numba keeps no check."""
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Raise ``TypeError``: without this Python would call what is not there."""
+        raise TypeError(f"{self.py_func.__qualname__} is for compiled code only; Python may call its py_func")
+
+
+def njit(function: Any = None, *, inner: bool = False, **options: Any) -> Any:
+    """Return the function compiled as numba's ``njit`` does it; with ``cache`` what is kept is loaded as it is.
+
+    ``inner``: compiled code alone calls it, so no door for Python is compiled, which costs more than a short function.
+    """
     if function is None:
-        return partial(njit, **options)
+        return partial(njit, inner=inner, **options)
     cache = options.pop("cache", False)
-    made = numba.njit(function, **options)
+    made = numba.njit(function, no_cpython_wrapper=inner, no_cfunc_wrapper=True, **options)
+    if inner:
+        made.__class__ = InnerFunction
     if cache:
         made._cache = ReadyCache(function)
     return made

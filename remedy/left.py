@@ -24,7 +24,7 @@ __all__ = ["Left", "free_of_line", "left_of", "past", "size", "turns_of", "wande
 Floats = NDArray[np.float64]
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
 LEAST = 12  # rows of a record for each of its memory
-FAST = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
+FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import pytest
 
 from stickslip import blocks
 from stickslip.commands.blocks import BLOCKS
+from tests.architecture.house import parsed
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("logs", "blocks", "engine", "diagram", "plant", "study", "detect", "gap", "cases", "stickslip", "benchmarks")
@@ -32,7 +33,7 @@ COMMON = {"name", "inputs", "outputs", "units", "spans", "labels", "signal", "si
 
 def docstrings(source: str) -> Iterator[tuple[str, str]]:
     """Yield name and docstring of a file and of what is in it."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
             yield getattr(node, "name", "the file"), text
 
@@ -68,7 +69,7 @@ def test_the_rule_can_fail(text: str) -> None:
 
 def undocumented(source: str) -> list[str]:
     """Return the public functions and classes of a file that have no docstring."""
-    public = [n for n in ast.parse(source).body if isinstance(n, ast.ClassDef | ast.FunctionDef)]
+    public = [n for n in parsed(source).body if isinstance(n, ast.ClassDef | ast.FunctionDef)]
     return [n.name for n in public if not n.name.startswith("_") and not ast.get_docstring(n)]
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
+from tests.architecture.house import parsed
 
 ROOT = Path(__file__).resolve().parents[1]
 WHEEL = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]
@@ -20,7 +21,7 @@ ROOMS = set(WHEEL["sources"])
 def bare_imports(source: str) -> list[str]:
     """Return the imports of a file that name a room without ``stickslip``, those in its strings and examples too."""
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names if alias.name.split(".")[0] in ROOMS]
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -109,7 +110,7 @@ def test_nothing_that_the_wheel_has_imports_what_it_lacks() -> None:
         for path in (ROOT / room).rglob("*.py"):
             if str(path.relative_to(ROOT)) not in WHEEL["exclude"]:
                 names = set()
-                for node in ast.walk(ast.parse(path.read_text())):
+                for node in ast.walk(parsed(path.read_text())):
                     if isinstance(node, ast.ImportFrom):
                         names |= {str(node.module)} | {f"{node.module}.{alias.name}" for alias in node.names}
                     elif isinstance(node, ast.Import):

@@ -17,6 +17,10 @@ SIZES = {
     "setpoint_weight": ("controller", "b", 0.4), "derivative_action": ("controller", "T_d", 15.0),
     "gain_schedule": ("controller", "slope", 2.0), "lead": ("tank", "T", 20.0),
 }  # fmt: skip
+ALIKE = (
+    *SIZES, "controller_gain", "controller_integral_time", "process_gain", "process_time_constant", "second_lag",
+    "dead_time", "valve_rate_limit", "step_disturbance", "deadband",
+)  # fmt: skip
 FIRST = {"SP": 1.0, "PV": 1.0, "OP": 0.5, "MV": 0.5, "F": 0.5, "h": 1.0}
 AT = [math.ceil(5400.0 * k / len(LEVELS)) for k in range(len(LEVELS))]
 
@@ -36,7 +40,8 @@ def test_an_effect_does_what_a_plant_in_plain_numpy_does(name):
 @pytest.mark.parametrize(("name", "root"), [("setpoint_ramp", False), ("gain_schedule", True), ("lead", False)])
 def test_it_is_named_with_its_size(name, root):
     place, key, size = SIZES[name]
-    report = diagnose(model(root), logged(name, size, root=root), limits=False)
+    log, known = logged(name, size, root=root, duration=3600.0), [effect(one) for one in ALIKE]
+    report = diagnose(model(root), log, catalogue=known, limits=False)
     (cause,) = report.causes
     assert (cause.effect, cause.place) == (name, place)
     assert cause.parameters[key].value == pytest.approx(size, rel=0.12)

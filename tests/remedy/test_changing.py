@@ -14,7 +14,7 @@ from stickslip.remedy.together import PARTS, Pair, Together
 
 from benchmarks.remedy.plants import Plant
 
-SAMPLES = 1_600
+SAMPLES = 1_300
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_the_change_is_named_and_nothing_else_of_valve_process_and_controller(pl
     [
         ("stiction", lambda one: replace(one, S=2.0 * one.S, J=2.0 * one.J)),
         ("process_gain", lambda one: replace(one, K=2.0 * one.K)),
-        ("process_time_constant", lambda one: replace(one, tau=3.0 * one.tau)),
+        ("process_time_constant", lambda one: replace(one, tau=4.0 * one.tau)),
         ("dead_time", lambda one: replace(one, theta=one.theta + 8.0)),
     ],
 )  # fmt: skip
