@@ -3,7 +3,7 @@
 line        logit p = base + learnt s / max(1, d) + evidence g(G) by maximum likelihood (``detect.judge.model``)
 accuse      the least probability at which at most ``ALARMS`` of the loops without stiction are accused
 clear       the largest probability below which at most ``CLEARED`` of the sticky loops lie
-S, J        quantiles of the error of ln S and ln J
+S, J        quantiles of the error of ln S, by how sure the likelihood is of it, and of ln J
 d           of all loops, sticky or not; 1 where ``INSIDE`` of them lie nearer
 
 Three numbers are fitted to some thousands of loops, so that no others are needed to calibrate on.  A deadband is dead
@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.drawing import OTHERS
 from stickslip.calibration.records import Table
-from stickslip.detect.judge.model import PLACE, SEEN, SIZE, Model, ln_size, weighed
+from stickslip.detect.judge.model import PLACE, SEEN, SHARES, SIZE, Model, ln_size, sure, weighed
 
 __all__ = ["fit"]
 
@@ -27,6 +27,7 @@ ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, a
 CLEARED = 0.02
 TAILS = (0.05, 0.5, 0.95)
 INSIDE = 0.95
+FEWEST = 40  # sticky loops, of which errors of S are read off; else of all
 
 
 def fit(t: Table, say: Say = print) -> Model:
@@ -42,8 +43,11 @@ def fit(t: Table, say: Say = print) -> Model:
     say(f"{len(judged)} loops: log odds {line[0]:.2f} + {line[1]:.2f} s + {line[2]:.2f} g")
     base, learnt, evidence = line.tolist()
     sticky = t.rows(t.sticky)
-    ln_at = {"S": ln_size(*_columns(sticky, SIZE).T), "J": _columns(sticky, ("network_J",))[:, 0]}
-    S, J = (_errors(sticky, which, ln_at[which]) for which in ("S", "J"))
+    size = _columns(sticky, SIZE).T
+    ln_at, surely = ln_size(*size), sure(*size)
+    alike = [own if own.sum() >= FEWEST else surely >= 0 for own in (surely == i for i in range(len(SHARES) + 1))]
+    S = tuple(_errors(sticky.rows(own), "S", ln_at[own]) for own in alike)
+    J = _errors(sticky, "J", _columns(sticky, ("network_J",))[:, 0])
     return Model(
         base, learnt, evidence, float(np.quantile(p[~judged.sticky], 1.0 - ALARMS)),
         float(np.quantile(p[judged.sticky], CLEARED)), S, J, tuple(middle.tolist()),

@@ -3,8 +3,8 @@
     logit p(stiction) = base + learnt s / max(1, d) + evidence sign(G) ln(1 + |G| / ``NATS``)
     p(cause)          = (1 - p(stiction)) times the network's share of that cause among all others
     ln(S / OP travel) = what the network says, or a mean of that and of the likeliest S, which counts the more the more
-                        dead travel gains, not if they differ by ``APART``; and to it three quantiles of its error;
-                        J as the network says, likewise
+                        dead travel gains, not if they differ by ``APART``; and to it three quantiles of its error,
+                        which is the smaller the more dead travel gains; J as the network says, likewise
 
 s is the network's log odds of a stick and G the gain of dead travel [nats], 0 where it cannot be weighed.  d is how far
 the record lies from the loops that were learnt from, in samples a turn of OP, turns, and S over OP's travel (distance
@@ -28,12 +28,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FILE", "PLACE", "SCHEMA", "SEEN", "SIZE", "Model", "Opinion", "calibrated", "ln_size", "weighed"]
+__all__ = [
+    "FILE", "PLACE", "SCHEMA", "SEEN", "SHARES", "SIZE", "Model", "Opinion", "calibrated", "ln_size", "sure", "weighed",
+]  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 FILE = Path(__file__).with_name("calibration.json")
-SCHEMA = "stickslip.calibration.model/3"
+SCHEMA = "stickslip.calibration.model/4"
 APART = 1.7  # factor: in an even cycle without noise the likeliest S may be half or twice the true one
+SHARES = (0.0, 0.44, 0.66)  # of the likelihood in S, from which on its error is another: any, 40 nats, 100 nats
 NATS = 5.0  # up to which a gain counts in full; more of them tell less and less
 SEEN = ("network_sticky", "dead_travel")  # features that the odds are made of
 SIZE = ("network_S", "likely_S", "likely_share")  # those that S is made of
@@ -66,7 +69,7 @@ class Model:
 
     base, learnt, evidence : of the log odds
     accuse, clear : stiction is called from this probability on, no stiction only up to that one [-]
-    S, J : quantiles of 5, 50 and 95 % of the error of ln S and ln J
+    S, J : quantiles of 5, 50 and 95 % of the error of ln S, by how sure it is (``sure``), and of ln J
     middle, spread : (3, 3) mean of ``PLACE`` and inverse of its covariance, over the square of the 95 % distance
     kinds : cause of each kind of loop that the network tells apart, but for those that stick
     about : what was fitted on what, plain values
@@ -77,7 +80,7 @@ class Model:
     evidence: float
     accuse: float
     clear: float
-    S: tuple[float, float, float]
+    S: tuple[tuple[float, float, float], ...]
     J: tuple[float, float, float]
     middle: tuple[float, ...]
     spread: tuple[tuple[float, ...], ...]
@@ -103,8 +106,9 @@ class Model:
             others[cause] += math.exp(found[f"network_{kind}"])
         total = math.fsum(others.values())
         causes = {"stiction": p} | {cause: (1.0 - p) * share / total for cause, share in others.items()}
-        at = float(ln_size(*(np.array([found.get(name, math.nan)]) for name in SIZE))[0])
-        S, J = ([math.exp(ln_at + q) for q in errors] for ln_at, errors in ((at, self.S), (found["network_J"], self.J)))
+        size = [np.array([found.get(name, math.nan)]) for name in SIZE]
+        S = [math.exp(float(ln_size(*size)[0]) + q) for q in self.S[int(sure(*size)[0])]]
+        J = [math.exp(found["network_J"] + q) for q in self.J]
         J = [min(jump, size) for jump, size in zip(J, S, strict=True)]
         return Opinion(
             dict(sorted(causes.items(), key=lambda item: -item[1])),
@@ -145,6 +149,16 @@ def ln_size(network: Values, likely: Values, share: Values) -> Values:
     """
     off = likely - network
     return np.where(np.abs(off) < math.log(APART), network + share * off, network)
+
+
+def sure(network: Values, likely: Values, share: Values) -> npt.NDArray[np.intp]:
+    """How many of ``SHARES`` (n,) the likelihood's share in S reaches; 0 where S is the network's alone.
+
+    >>> sure(np.full(3, -1.0), np.array([np.nan, -1.4, -2.0]), np.array([np.nan, 0.75, 0.75])).tolist()
+    [0, 3, 0]
+    """
+    counts = np.abs(likely - network) < math.log(APART)
+    return np.where(counts, np.searchsorted(SHARES, np.nan_to_num(share), side="right"), 0)
 
 
 @cache

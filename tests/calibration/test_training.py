@@ -74,6 +74,21 @@ def test_learnt_odds_fall_back_as_a_record_leaves_what_was_learnt_and_the_eviden
     assert np.mean(inside[np.isfinite(inside)] < 1.0) == pytest.approx(0.95, abs=0.02)  # analytic: 95 % by definition
 
 
+def test_the_interval_of_s_is_that_of_loops_whose_likelihood_is_as_sure():
+    table = made(4000, 5)
+    rng, names = np.random.default_rng(6), table.names.tolist()
+    S, likely, share = (names.index(name) for name in ("network_S", "likely_S", "likely_share"))
+    table.x[:, share] = np.where(rng.random(len(table)) < 0.5, 0.9, np.nan)
+    table.x[:, likely] = table.x[:, S] + table.x[:, share] / 9.0 * rng.normal(size=len(table))
+    rough = np.where(np.isnan(table.x[:, share]), 0.3, 0.03) * rng.normal(size=len(table))
+    table.truth["S"] = 10.0 * np.exp(table.x[:, S] + rough)
+    model = fit(table, say=lambda text: None)
+    near = dict.fromkeys(names, 0.0) | {"network_S": -1.0}
+    for says, spread in ((np.nan, 0.3), (-1.0, np.hypot(0.9 * 0.1, 0.03))):  # analytic: network alone, mean of both
+        _, low, high = model.judge(near | {"likely_S": says, "likely_share": 0.9}).S
+        assert np.log(high / low) == pytest.approx(2 * 1.645 * spread, rel=0.15)
+
+
 def test_it_is_kept_and_read_the_same(model, tmp_path):
     file = tmp_path / "model.json"
     model.write(file)

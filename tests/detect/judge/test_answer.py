@@ -14,6 +14,8 @@ from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord, read_loop
 
+from ..likelihood.loops import run
+
 RNG = np.random.default_rng(0)
 T = np.arange(800.0)
 
@@ -33,6 +35,15 @@ def test_a_sticky_valve_is_told_with_size_cause_and_action(sticky):
         assert piece in found.action
     # S of the example's valve is 5 % of OP, by how it was made
     assert found.S.low <= 5.0 <= found.S.high
+
+
+@pytest.mark.parametrize(("J", "seed"), [(0.0, 40), (4.0, 44), (2.0, 5)])
+def test_s_is_stated_as_narrowly_as_the_likelihood_supports(J, seed):
+    op, pv = run(S=4.0, J=J, seed=seed)
+    loop = Prepared(LoopRecord.from_arrays(np.arange(2000.0), pv=pv, op=op, op_span=(0.0, 100.0)))
+    S = answer(loop).S
+    assert loop.dead_travel.without_best > 40.0
+    assert S.low <= 4.0 <= S.high < 2.5 * S.low  # it was 4.9 times whatever the record showed
 
 
 def test_causes_sum_to_one_and_agree_with_the_probability(sticky):
