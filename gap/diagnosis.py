@@ -6,8 +6,8 @@
 4. Fit again on the first part of the record, and judge on the rest (``sizes``).
 5. Where nothing is named, say which mistake of the model or the log would explain the gap (``hints``).
 
-A loop with a load that nobody measures is not replayed.  If it is linear and scanned, its Kalman filter is exact
-(``stickslip.gap.filters``).  Any other is followed by a filter across its own runs (``stickslip.gap.likelihood``).
+A loop with a load that nobody measures is not replayed, but followed by a filter (``stickslip.gap.likelihood``): its
+own Kalman filter where it is linear and scanned (``stickslip.gap.exact``), else one across its own runs.
 """
 
 import math
@@ -30,12 +30,6 @@ from stickslip.gap.explanations.one_of_pair import enough_alone
 from stickslip.gap.explanations.other_law import stem_of_other_law
 from stickslip.gap.explanations.pairs import beside_stem, paired
 from stickslip.gap.explanations.unmeasured import unmeasured_load
-from stickslip.gap.filters.adequacy import passes
-from stickslip.gap.filters.diagnosing import Outcome as ByFilters
-from stickslip.gap.filters.diagnosing import filtering_of, outcome
-from stickslip.gap.filters.explaining import without_filter
-from stickslip.gap.filters.logged_stem import logged_stem
-from stickslip.gap.filters.telling import told as told_by_filters
 from stickslip.gap.fits.adequacy import adequate, complete, needed, stands
 from stickslip.gap.fits.instants import with_instants
 from stickslip.gap.fits.search import Candidate, Fit, best_of, refined, settled
@@ -45,10 +39,8 @@ from stickslip.gap.floors.floor import Floor, measured
 from stickslip.gap.floors.problem import Problem, Settled
 from stickslip.gap.hints.hinted import hints
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.diagnosing import Outcome as ByLikelihood
-from stickslip.gap.likelihood.diagnosing import frame_of
-from stickslip.gap.likelihood.diagnosing import outcome as outcome_of
-from stickslip.gap.likelihood.inputs import felt
+from stickslip.gap.likelihood.diagnosing import frame_of, outcome
+from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.likelihood.telling import told as told_by_likelihood
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.usual import floor_of_record, suspected
@@ -95,16 +87,11 @@ def _diagnosed(
 ) -> GapReport:
     """Return the diagnosis of a record through a model whose logged sources are open."""
     stem = logged_stem(opened, record)
-    filtering = filtering_of(opened, stem.without(record) if stem else record)
-    if filtering is not None:
-        linear = outcome(filtering, catalogue, seed, progress, stem)
-        bent = _followed(opened, record, linear, catalogue, seed, progress) if stem is None else None
-        if bent is not None:
-            return told_by_likelihood(bent)
-        return told_by_filters(linear, kept_calibration(filtering.model, record).sureness)
-    frame = frame_of(opened, record) if stem is None else None
+    frame = frame_of(opened, stem.without(record) if stem else record)
     if frame is not None:
-        return told_by_likelihood(outcome_of(frame, catalogue, seed, progress))
+        return told_by_likelihood(
+            outcome(frame, catalogue, seed, progress, stem), limits, seed, kept_calibration(opened, record).sureness
+        )
     problem = _prepared(opened, record, seed)
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)
@@ -119,26 +106,6 @@ def _diagnosed(
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
     return told(problem, [*textured, *others], progress, catalogue, bool(textured), legal if limits else (), seed)
-
-
-def _followed(
-    opened: Diagram, record: Record, found: ByFilters, catalogue: Sequence[Effect], seed: int, progress: Progress
-) -> ByLikelihood | None:
-    """Return what the filter of runs says where the linear one has not found enough, or what it cannot know.
-
-    It knows the doubts of inputs, and effects that bend a linear loop.  Both have one likelihood, so that what they
-    leave compares.
-    """
-    if not found.gap:
-        return None
-    enough = bool(found.same) and passes(found.same[0].best)
-    doubted = felt(record, found.plain.best)
-    asked = catalogue if doubted else () if enough else without_filter(found.plain, catalogue)
-    frame = frame_of(opened, record) if asked else None
-    if frame is None:
-        return None
-    other = outcome_of(frame, asked, seed, progress)
-    return other if doubted or (other.named and other.named[0].nll < found.best.nll) else None
 
 
 def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:

@@ -9,11 +9,8 @@ class Evidence:
     ``margin`` [nats] by which the best explanation outside the named set is worse.
 
     Kinds: "none" (no gap), "digits" (told by the digits of the log), "complete" (nothing is left), "adequate" (nearly
-    nothing), "pair", "unknown"; of a filter "filter, digits", "filter, white" (all checks passed), or if so "filter,
-    noise" (more noise of a sensor), "filter, load" (a planned load), "filter, rivalled" (a generic rival is nearly as
-    likely); "filter, nearly" (a large gap nearly explained), "filter, stiction", "filter, deadband" (by a bank of
-    stems), "filter, unknown"; of a large diagram, cut into segments, "segments, " and one of "complete", "adequate",
-    "pair", "unknown".
+    nothing), "pair", "unknown"; of a filter "filter, digits", "filter, white" (what it leaves is usual), "filter,
+    unknown"; of a large diagram, cut into segments, "segments, " and one of "complete", "adequate", "pair", "unknown".
     """
 
     kind: str

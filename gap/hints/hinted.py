@@ -7,13 +7,11 @@ is wrong nearly everywhere still says which way is better.  Only the first rows 
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.filters.diagnosing import filtering_of
-from stickslip.gap.filters.filtering import Explanation
 from stickslip.gap.hints.mistakes import Mistake, late, of_controllers, of_units
 from stickslip.gap.likelihood.diagnosing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -35,13 +33,11 @@ def hints(diagram: Diagram, log: Log) -> tuple[str, ...]:
     """Return a sentence on the mistake that explains the log best; none where none explains half of the gap."""
     first = log.samples(0, min(ROWS, len(log)))
     stated = Mistake("", diagram, first)
-    loss_of, now = _exact, _exact(stated)
-    if not math.isfinite(now[0]):
-        loss_of, now = _followed, _followed(stated)
+    now = _left(stated)
     if not math.isfinite(now[0]):
         return ()
-    tried = [(one, loss_of(one)) for one in (*of_units(diagram, first), *of_controllers(diagram, first))]
-    tried += [found for s in _moving(diagram, first) for found in _clocks(diagram, first, s, loss_of)]
+    tried = [(one, _left(one)) for one in (*of_units(diagram, first), *of_controllers(diagram, first))]
+    tried += [found for s in _moving(diagram, first) for found in _clocks(diagram, first, s)]
     best, (loss, size) = min(tried, key=lambda x: x[1][0], default=(stated, now))
     beyond = now[1] - USUAL
     if now[0] - loss < CLEAR or now[1] - size < EXPLAINED * beyond:
@@ -57,35 +53,21 @@ def _moving(diagram: Diagram, log: Log) -> Sequence[str]:
     return [s for s in log.names if s in diagram.signals or (s in diagram.open_inputs and not switches(log, s))]
 
 
-def _clocks(
-    diagram: Diagram, log: Log, signal: str, loss_of: Callable[[Mistake], Loss]
-) -> Iterator[tuple[Mistake, Loss]]:
+def _clocks(diagram: Diagram, log: Log, signal: str) -> Iterator[tuple[Mistake, Loss]]:
     """Yield the log with the clock of a signal set right, by ever more rows while it becomes likelier."""
     for way in (1, -1):
         best, rows = math.inf, way
         while abs(rows) <= LATEST:
             one = late(diagram, log, signal, rows)
-            found = loss_of(one)
+            found = _left(one)
             yield one, found
             if found[0] >= best:
                 break
             best, rows = found[0], rows + way
 
 
-def _exact(one: Mistake) -> Loss:
-    """Return L of a log, and the mean of ln(1 + e^2), by the exact filter; infinite where there is none."""
-    try:
-        f = filtering_of(*read(one.diagram, one.log), asked=False)
-        if f is None:
-            return NOWHERE
-        left = Explanation(f).filtered({})
-    except (GapError, ArithmeticError, ValueError):
-        return NOWHERE
-    return _size(left.e[f.skipped :], left.S[f.skipped :], one.density)
-
-
-def _followed(one: Mistake) -> Loss:
-    """Return the same by the filter that follows the runs of the model."""
+def _left(one: Mistake) -> Loss:
+    """Return L of a log, and the mean of ln(1 + e^2); infinite where no filter follows it."""
     try:
         frame = frame_of(*read(one.diagram, one.log), asked=False)
         if frame is None:

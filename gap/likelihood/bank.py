@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
+from stickslip.gap.exact.affine import NotAffine
+from stickslip.gap.exact.stems import left_by_stems
+from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, complain
 
 Floats = NDArray[np.float64]
+DRAWN = 8  # times as many stems where each draws what the controllers give
+EARLY = 1e-6  # of a scan [s], by which a stop may come before it
 SEED = 1  # of the numbers that a bank draws: the same for all sizes, so that losses compare
 
 
@@ -18,6 +23,9 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
 
     Raises ``ArithmeticError`` where a run of the diagram fails.
     """
+    exactly = _in_linear_loop(one, {**one.nominal, **values}, count)
+    if exactly is not None:
+        return exactly
     f, p = one.frame, one.prepared
     full = {**one.nominal, **values}
     I, W = p.fresh(float(f.stops[0][0]), one.blocks_with(full))
@@ -32,6 +40,8 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     dither, shares = rng.random((len(f.Y), count, len(f.signals))), rng.random(len(f.Y))
     e, losses = np.full(f.Y.shape, np.nan), np.zeros(len(f.Y))
     stood, came = np.zeros((len(times), count)), np.zeros((len(f.Y), count), dtype=np.int64)
+    near = near.followed
+    assert near.gains is not None
     gains = gains_for(one.labels, near.hypothesis.labels, near.gains)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
@@ -41,6 +51,31 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     complain(status)
     return Innovations(one, full, e, near.S, near.gains, near.kinks, near.turns, near=near, mixed=losses,
                        stem=_path(stood, came, row_of))  # fmt: skip
+
+
+def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) -> Innovations | None:
+    """Return what a bank of stems leaves in a loop that is linear and scanned else; None in any other."""
+    f, exact = one.frame, one.bare
+    if exact is None or one.effect is None:
+        return None
+    band, *jump = (one.settings(values)[f"{one.effect.block(one.place)}.{name}"] for name in one.own)
+    try:
+        loop = exact.scanned(*one.stated_of(exact, values), cut=given(f.model, one.place))
+    except NotAffine:
+        return None
+    if (loop.period > 1).any():
+        return None
+    again = np.full(f.anew.shape, -1)
+    for c, limited in enumerate(exact.scans.limited):
+        behind = limited | np.append(False, limited[:-1])
+        again[behind, f.signals.index(exact.ops[c])] = c
+    e, losses, path = left_by_stems(
+        loop, exact.scans.u, exact.scans.every, f.anew, f.r, band, sum(jump), DRAWN * count, SEED, again
+    )
+    at = np.clip(np.searchsorted(exact.scans.u[:, -2], f.stops[0] + EARLY) - 1, 0, len(path) - 1)
+    nothing = np.zeros(len(e), dtype=np.bool_)
+    return Innovations(one, values, e, np.where(np.isnan(e), np.nan, 1.0), None, nothing, np.zeros((0, 0)),
+                       mixed=losses, stem=path[at])  # fmt: skip
 
 
 def _path(stood: Floats, came: NDArray[np.int64], row_of: NDArray[np.int64]) -> Floats:

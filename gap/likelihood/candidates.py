@@ -23,6 +23,7 @@ from stickslip.gap.likelihood.switches import with_switches
 Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
+SWITCHED = 8  # limits that are looked at with switches of their own
 SPRINT = 3  # rounds of a fit there
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
@@ -42,7 +43,9 @@ class Candidate:
 
     @property
     def races(self) -> bool:
-        """Whether first rows say how well it does: a load may begin behind them, and a stem has a bank of its own."""
+        """Whether first rows say how well it does: a load may begin behind them, a limit may be met there, and a stem
+        has a bank of its own.
+        """
         return _races(self.hypothesis)
 
 
@@ -61,7 +64,10 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     if start is None:
         return by_score(rough, hypotheses, progress)
     alone = refined(with_switches(start), tuple(short.free), SPRINT)
-    return _each(hypotheses, lambda one: _raced(alone, rough, one), progress)
+    whole = null.hypothesis.frame  # a limit is met behind a switch
+    return _each(
+        hypotheses, lambda one: _at_limits(null, one.of(whole)) if one.bends else _raced(alone, rough, one), progress
+    )
 
 
 def _each(
@@ -82,6 +88,8 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     best: Candidate | None = None
     least = math.inf
     at = {key: null.best.values[key] for key in one.frame.free}
+    if one.bends:
+        return _at_limits(null, one)
     alone = one.adds_to(null.hypothesis) and not one.hides
     near = None if alone else null.best
     tries = sizes(null, one)
@@ -90,14 +98,26 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
-        gain, direction = scored
+        gain, direction, _ = scored
         if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
             best, least = Candidate(one, found.values, gain, None if alone else direction), found.nll
     return best
 
 
 def _races(one: Hypothesis) -> bool:
-    return not (one.hides or (one.effect is not None and is_load(one.effect)))
+    return not (one.hides or one.bends or (one.effect is not None and is_load(one.effect)))
+
+
+def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
+    """Return the likeliest limit, each with a filter of its own: where it is met other gains hold."""
+    at = {key: null.best.values[key] for key in one.frame.free}
+    each = [x for size in sizes(null, one) if (x := tried(one, {**at, **size}, None, FIRST_RUNS)) is not None]
+    likely = sorted(each, key=lambda x: x.nll)[:SWITCHED]  # inputs have switched where it suits a loop without a limit
+    best = _likeliest(with_switches(x) for x in likely)
+    if best is None:
+        return None
+    scored = score(null, best)
+    return Candidate(one, best.values, null.nll - best.nll, None if scored is None else scored[1])
 
 
 def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:

@@ -7,15 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
+from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
-from stickslip.gap.likelihood.digits import by_digits
+from stickslip.gap.likelihood.digits import by_digits, shows_steps
+from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
+from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
@@ -34,13 +37,14 @@ from stickslip.gap.likelihood.switches import with_ramps, with_switches
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
+from stickslip.gap.records.regular import without_unsettled
 from stickslip.gap.records.start import start_values
 
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
 STEM_TIE = 8.0  # nats to which a bank of stems is sure: the same sizes with gains of other paths differed by as much
-MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer of their own
+MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +53,8 @@ class Outcome:
     likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
     that the record does not tell apart, none where none is enough; ``share`` by
     which the first fit moves the signals; ``textured`` whether the digits of the log told; ``firsts`` the effects, not
-    told apart, one of which is part of the model of all fits: the gap has two causes.
+    told apart, one of which is part of the model of all fits: the gap has two causes; ``stem`` what a logged stem says;
+    ``looked`` first sizes of all effects.
     """
 
     null: Fit
@@ -61,6 +66,8 @@ class Outcome:
     share: float = 1.0
     textured: bool = False
     firsts: Sequence[Fit] = ()
+    stem: LoggedStem | None = None
+    looked: Sequence[Candidate] = ()
 
 
 def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None:
@@ -70,19 +77,34 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
-    if not any(one.correlation_time > 0.0 for one in nuisances(model)) or len(model.blocks) > MOST_BLOCKS:
+    if not any(one.correlation_time > 0.0 for one in nuisances(model)):
         return None
-    given = Given(model.starting_at(start_values(silenced(model), record)))
-    frame = Frame(given, record, doubts=rounded(record))
+    quiet = silenced(model)
+    record = settled_behind_holes(quiet, record)
+    given = Given(model.starting_at(start_values(quiet, record)))
+    frame = Frame(given, record)
     try:
         alone = Hypothesis(frame)
-        if len(alone.prepared.states) > MOST_STATES:
+        exactly = alone.exactly(alone.nominal)
+        if exactly is not None and not felt(exactly):
+            return frame
+        alone = Hypothesis(replace(frame, doubts=rounded(record)))
+        if len(model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
             return None
         if asked:
             alone.filtered({})
     except (NoFilter, ArithmeticError):
         return None
-    return frame
+    return alone.frame
+
+
+def settled_behind_holes(quiet: Diagram, record: Record) -> Record:
+    """Return the record without rows behind holes in which an input changed, until the loop has settled."""
+    log = record.log
+    if all(log.good(s).all() for s in record.pinned):
+        return record
+    rows = math.ceil(settling_rows(quiet, record))
+    return replace(record, log=without_unsettled(log, record.played, record.pinned, rows))
 
 
 def when_switched(frame: Frame) -> Frame:
@@ -105,8 +127,29 @@ def needed(found: Sequence[Candidate]) -> float:
     return math.log(max(len(found), 1)) + math.log(ODDS)
 
 
-def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
-    """Return what explains a record: an effect, or two where none is enough alone, the best single one among them."""
+def outcome(
+    frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None, stem: LoggedStem | None = None
+) -> Outcome:
+    """Return what explains a record: an effect, or two where none is enough alone, the best single one among them.
+
+    ``stem`` is what a logged stem says, which decides what can be.  Where a measurement has few levels, and the
+    catalogue no coarse sensor, nothing is enough.
+    """
+    found = _likeliest(frame, catalogue, seed, progress, stem)
+    if found.named and not found.textured and shows_steps(found.null):
+        return replace(found, named=(), firsts=())
+    return found
+
+
+def _likeliest(
+    frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Progress, stem: LoggedStem | None
+) -> Outcome:
+    """Return what explains a record best, whatever its digits show."""
+    if stem is not None:
+        alone = _explained(frame, stem.possible(catalogue), seed, progress)
+        if not stem.follows and not alone.named:  # it is elsewhere, whatever else the log shows
+            alone = replace(alone, gap=True)
+        return replace(alone, stem=stem)
     alone = _explained(frame, catalogue, seed, progress)
     if not alone.gap or alone.named or not alone.fits:
         return alone
@@ -187,14 +230,14 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     fits = fitted(null, chosen, far, within, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
-        return Outcome(null, alone, fits, None, gap, ())
+        return Outcome(null, alone, fits, None, gap, (), looked=found)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
-        return Outcome(null, alone, fits, None, False, (), share)
+        return Outcome(null, alone, fits, None, False, (), share, looked=found)
     return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else ())
 
 

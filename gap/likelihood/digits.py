@@ -33,6 +33,12 @@ def by_digits(null: Fit, catalogue: Sequence[Effect], seed: int) -> Fit | None:
     return None
 
 
+def shows_steps(null: Fit) -> bool:
+    """Return whether a measurement has few levels, which nothing but a coarse sensor leaves."""
+    f = null.hypothesis.frame
+    return any(coarse(f, place) for place in Quantisation().places(f.model))
+
+
 def _coarse(null: Fit, effect: Effect, place: str) -> Fit | None:
     """Return a sensor of few levels; if the log is no finer than these, the controller has to have seen them."""
     f = null.best.hypothesis.frame

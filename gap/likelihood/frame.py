@@ -12,6 +12,7 @@ from stickslip.blocks.role import Role
 from stickslip.blocks.sources import Constant
 from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
+from stickslip.gap.exact.scans import Scans, scans_of
 from stickslip.gap.likelihood.inputs import Doubt
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
@@ -100,10 +101,21 @@ class Frame(Held):
         return found
 
     @cached_property
+    def limited(self) -> NDArray[np.bool_]:
+        """Rows at which, or just before which, an output may have been at a limit where there is an exact filter: what
+        is said of them differs from filter to filter.
+        """
+        if self.scans is None:
+            return np.zeros(len(self.Y), dtype=np.bool_)
+        at: NDArray[np.bool_] = np.asarray(self.scans.limited.any(axis=0))
+        return np.asarray(at | np.append(False, at[:-1]))
+
+    @cached_property
     def counted(self) -> NDArray[np.bool_]:
         """Which rows count."""
         row = np.arange(len(self.Y))
         found = (row >= self.skipped) & (row < self.seen * len(row))
+        found &= ~self.limited
         for s in self.record.played if self.apart else ():
             if switches(self.record.log, s):
                 for k in range(NEAR):
@@ -155,9 +167,16 @@ class Frame(Held):
     def switching(self, leads: Mapping[str, Mapping[int, float]]) -> "Frame":
         """Return the same frame with inputs that switch so long before the rows that show it."""
         other = replace(self, record=replace(self.record, leads=leads))
-        kept = {name: found for name, found in self.__dict__.items() if name not in (*other.__dict__, "sources")}
+        kept = {
+            name: found for name, found in self.__dict__.items() if name not in (*other.__dict__, "sources", "scans")
+        }
         other.__dict__.update(kept)
         return other
+
+    @cached_property
+    def scans(self) -> Scans | None:
+        """The scans of the record, where an exact filter may follow it from one to the next."""
+        return None if self.doubts else scans_of(self.quiet, self.record)
 
     @cached_property
     def doubted(self) -> dict[str, tuple[Floats, Floats]]:

@@ -16,7 +16,9 @@ def held_out(null: Fit, best: Fit) -> Shrinkage | None:
     before, after = _of_first_rows(null), _of_first_rows(best)
     if before is None or after is None:
         return None
-    return shrinkage_of_losses(before.losses, after.losses, after.e, round(SEEN * len(after.e)))
+    # innovations of a mixture are of unit size by what they are
+    e = after.e if after.mixed is None else np.where(np.isnan(after.e), np.nan, 1.0)
+    return shrinkage_of_losses(before.losses, after.losses, e, round(SEEN * len(e)))
 
 
 def _of_first_rows(fit: Fit) -> Innovations | None:

@@ -12,10 +12,11 @@ from stickslip.diagram.changes import blocks_with_params
 from stickslip.diagram.diagram import Diagram
 from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
-from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.prepared import Prepared, prepared
+from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
@@ -30,61 +31,14 @@ ENDLESS = 2**62
 
 
 @dataclass(frozen=True, eq=False)
-class Hypothesis:
-    """An ``effect`` at a ``place``, or none."""
-
-    frame: Frame
-    effect: Effect | None = None
-    place: str = ""
-
-    @cached_property
-    def changed(self) -> Diagram:
-        """The model with the blocks of the effect."""
-        f = self.frame
-        if self.effect is None or self.effect.of_log:
-            return f.model
-        return self.effect.started(self.effect.put(f.model, self.place), self.place, f.first)
+class Hypothesis(Statement):
+    """An ``effect`` at a ``place``, or none, and the filters that follow a record with it."""
 
     @cached_property
     def prepared(self) -> Prepared:
         """The changed model ready for the filter."""
         longest = self.settings({name: high for name, (_, high) in self.bounds.items()})
         return prepared(self.changed, self.frame.record, self.frame.scan, longest, self.frame.doubts)
-
-    @property
-    def hides(self) -> bool:
-        """Whether its effect has a mode that no log shows."""
-        return self.effect is not None and self.effect.hidden
-
-    @property
-    def nests(self) -> str:
-        """The effect that its own is where its further sizes are neutral: a stem that does not jump."""
-        return self.effect.nests if self.effect else ""
-
-    @cached_property
-    def own(self) -> tuple[str, ...]:
-        """Parameters of the effect."""
-        return tuple(p.name for p in self.effect.parameters) if self.effect else ()
-
-    @cached_property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """Parameter -> (low, high): those of the effect, then what is free in every fit."""
-        own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
-        return own | self.frame.free
-
-    @cached_property
-    def nominal(self) -> dict[str, float]:
-        """Parameter -> its value without the effect."""
-        own = self.effect.nominal(self.frame.model, self.place) if self.effect else {}
-        return own | self.frame.stated
-
-    def settings(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return the parameters of blocks that these values stand for."""
-        found = self.frame.given.settings(values)
-        if self.effect is not None:
-            own = {name: values[name] for name in self.own}
-            found |= self.effect.settings(self.frame.model, self.place, **own)
-        return found
 
     def filtered(
         self,
@@ -103,6 +57,10 @@ class Hypothesis:
         full = {**self.nominal, **values}
         if near is None and (known := self.latest.get((f.record, f.draws, joined))) and known.values == full:
             return replace(known, hypothesis=self)
+        exactly = None if joined else self.exactly(full)
+        if exactly is not None:
+            return exactly
+        near = None if near is None else near.followed
         I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
         phi, sd = self.noise_with(full)
         z = standing(W, self.places[0])
@@ -111,6 +69,7 @@ class Hypothesis:
         buffer = np.empty((EVENTS, 4))
         if near is not None:
             theirs = near.hypothesis.labels
+            assert near.gains is not None
             gains, turns = gains_for(self.labels, theirs, near.gains), turns_for(self.labels, theirs, near.turns)
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
@@ -135,10 +94,24 @@ class Hypothesis:
         self.latest[f.record, f.draws, joined] = found
         return found
 
+    def exactly(self, values: Mapping[str, float]) -> "Innovations | None":
+        """Return what the exact filter leaves, None where there is none."""
+        if self.exact is None:
+            return None
+        try:
+            e, S, shown = self.exact.filtered(*self.stated_of(self.exact, values), self.frame.anew, self.frame.r)
+        except (NotAffine, np.linalg.LinAlgError):
+            self.__dict__["exact"] = None
+            return None
+        kinks, turns = np.zeros(len(e), dtype=np.bool_), np.zeros((0, 0))
+        return Innovations(self, dict(values), e, S, None, kinks, turns, shown)
+
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
         f = self.frame
         full = {**known.values, **values}
+        if known.gains is None:
+            return self.filtered(full)
         path, shown = known.path, known.shown
         assert path is not None and shown is not None
         phi, sd = self.noise_with(full)
@@ -153,6 +126,9 @@ class Hypothesis:
         """Return the same hypothesis of another record of the same rows and set points."""
         other = replace(self, frame=frame)
         other.__dict__.update(prepared=self.prepared, latest=self.latest)
+        if "exact" in self.__dict__ and self.frame.scans is not None:
+            there = None if self.exact is None or frame.scans is None else self.exact.of(frame.record, frame.scans)
+            other.__dict__["exact"] = there
         return other
 
     @cached_property
@@ -277,7 +253,7 @@ class Innovations:
     values: Mapping[str, float]
     e: Floats
     S: Floats
-    gains: Floats
+    gains: Floats | None
     kinks: NDArray[np.bool_]
     turns: Floats
     shown: Floats | None = None
@@ -289,6 +265,11 @@ class Innovations:
     def again(self) -> "Innovations":
         """Return the same values with slopes and a path of their own."""
         return self.hypothesis.filtered(self.values)
+
+    @cached_property
+    def followed(self) -> "Innovations":
+        """The same by the filter across runs, whose gains other hypotheses may have."""
+        return self if self.gains is not None else self.hypothesis.filtered(self.values, joined=True)
 
     @property
     def explanation(self) -> Hypothesis:
@@ -337,4 +318,5 @@ class Innovations:
     @cached_property
     def judged(self) -> Floats:
         """The innovations that count, each as far as ``CLIPPED``: a row at which a filter errs is no gap."""
-        return np.clip(self.e[self.hypothesis.frame.skipped :], -CLIPPED, CLIPPED)
+        f = self.hypothesis.frame
+        return np.clip(np.where(f.limited[:, None], np.nan, self.e)[f.skipped :], -CLIPPED, CLIPPED)

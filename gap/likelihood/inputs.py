@@ -15,12 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.recorded import Recorded
-from stickslip.gap.filters.filtering import Filtered
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
-FELT = 0.1  # standard deviations of what a filter misses of OP, from which on a doubt shows in some hundred rows
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
 NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
@@ -60,21 +58,6 @@ def rounded(record: Record) -> dict[str, Doubt]:
     finest = max((record.steps[s] for s in record.pinned), default=0.0)
     steps = {s: rounding(record.known(s)) for s in record.played}
     return {s: Doubt(step) for s, step in steps.items() if 0.0 < finest / TYPED <= step <= TYPED * finest}
-
-
-def felt(record: Record, plain: Filtered) -> bool:
-    """Return whether outputs of controllers feel the doubts of their set points, beside what a filter misses."""
-    f = plain.explanation.filtering
-    doubts = rounded(record)
-    doubts |= {s: in_lines(record, s) for s in record.played if moves(record, s)}
-    for name in f.controllers:
-        block = f.quiet[name]
-        op, sp = str(block.output_labels[0]), str(block.loop_signal("SP"))
-        if sp in doubts and op in f.signals:
-            off = abs(block.params.get("K_p", 1.0)) * (doubts[sp].step / np.sqrt(12.0) + doubts[sp].spread)
-            if off > FELT * float(np.sqrt(np.nanmedian(plain.S[:, f.signals.index(op)]))):
-                return True
-    return False
 
 
 def moves(record: Record, signal: str) -> bool:

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.filters.adequacy import LIMIT_LARGEST
-from stickslip.gap.filters.checks import checks
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
+from stickslip.gap.likelihood.checks import checks
+from stickslip.gap.likelihood.constancy import constancy
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import played
@@ -32,6 +32,7 @@ JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as f
 ALARM = 0.005  # share of right hypotheses that are called wrong
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
+MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not."""
     away = [(f"a little of {c.hypothesis.effect.name} at {c.hypothesis.place}", c.direction)
             for c in others if c.hypothesis.effect is not None and c.direction is not None]  # fmt: skip
-    directions = _apart(fit, away)
+    directions = [*_apart(fit, away), *constancy(fit)]
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
     name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
@@ -90,9 +91,8 @@ def _left(fit: Fit, run: Hypothesis) -> Innovations | None:
     values = fit.best.values
     if not run.hides:
         return tried(run, values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
-    assert fit.best.near is not None
     try:
-        return left_by_bank(run, values, fit.best.near, JUDGED_STEMS)
+        return left_by_bank(run, values, fit.best.near or fit.best, JUDGED_STEMS)
     except ArithmeticError:
         return None
 
@@ -104,7 +104,7 @@ def _gumbel(share: float) -> float:
 
 def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
     """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves."""
-    return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, LIMIT_LARGEST))
+    return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 
 
 def largest(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:

@@ -23,10 +23,13 @@ def at_bound(null: Fit) -> bool:
     return any(min(now / low, high / now) < 1.0 + AT_BOUND for now, low, high in known)
 
 
-def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
-    """Return the gain that the score promises [nats], and the direction of the change; None where nothing is felt."""
+def score(null: Fit, looked: Innovations) -> tuple[float, Floats, float] | None:
+    """Return the gain that the score promises [nats], the direction of the change, and its length [standard
+    deviations]; None where nothing is felt.
+    """
     weight = trusted(null)
-    d = np.nan_to_num(looked.e - null.best.e) * weight
+    with np.errstate(invalid="ignore"):  # in the variances of the model, whatever another filter has
+        d = np.nan_to_num((looked.missed - null.best.missed) / np.sqrt(null.best.S)) * weight
     for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
     with np.errstate(over="ignore"):  # gains of one model may drive another away
@@ -35,7 +38,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
         return None
     direction = d / length
     along = -float(np.sum(np.nan_to_num(null.best.e) * weight * direction))
-    return 0.5 * max(along, 0.0) ** 2, direction
+    return 0.5 * max(along, 0.0) ** 2, direction, length
 
 
 def trusted(fit: Fit) -> Floats:

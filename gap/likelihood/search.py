@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress, reporting
-from stickslip.gap.filters.checks import checks
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate
+from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
@@ -115,7 +115,9 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
         band = next((f for f in found if _is_without_jump(f.hypothesis, mine)), None)
         most = max((null.nll - f.nll for f in found), default=0.0)
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
-            return None  # what no play explains to some part no stem that jumps explains
+            if mine.bare is None:  # what no play explains to some part a stem that jumps hardly ever explains
+                return None
+            band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):

@@ -20,7 +20,10 @@ Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
-CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
+CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that a limit would cut
+EVEN = 1e-6  # share of an interval by which a scan may differ from it
+BEYOND = (0.0, 0.02, 0.05, 0.1)  # shares of its range by which a signal may go further between two rows
+SLOWER = (*range(2, 13), 15, 20, 30, 60)  # times the model's scan
 STANDS = 3  # rows at which a signal stands at its limit, at least
 CALM = 4.0  # standard deviations from which on innovations propose no load
 
@@ -33,7 +36,7 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         return _loads(null, one)
     if isinstance(effect, ScanTime):
         return _scans(one)
-    if one.own == ("low", "high"):
+    if one.bends:
         return _limits(one)
     if effect.hidden:  # a stem, which jumps or does not: the first parameter is its band
         size, *jump = one.own
@@ -63,6 +66,13 @@ def _scans(one: Hypothesis) -> list[dict[str, float]]:
     values = f.Y[:, f.signals.index(signal)] if signal in f.signals else np.full(len(f.Y), np.nan)
     good = np.isfinite(values)
     found = first_scans(f.record.log.t[good], values[good], own, f.record.log.dt, one.bounds["period"])
+    if f.scans is not None:  # each costs little
+        found += [
+            {"period": own * k, "offset": f.scans.period * offset, "present": present}
+            for k in SLOWER
+            for offset in range(round(own * k / f.scans.period))
+            for present in (1.0, 0.0)
+        ]
     return [size for size in found if size["period"] != own]
 
 
@@ -79,12 +89,16 @@ def _limits(one: Hypothesis) -> list[dict[str, float]]:
     to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
     values = np.sort(f.Y[:, f.signals.index(shown)][np.isfinite(f.Y[:, f.signals.index(shown)])])
     zero = low if to_unit != 1.0 else 0.0
+    unseen = f.scanned < (1.0 - EVEN) * f.record.log.dt
     found = []
     for share in (CUT[0],) if shown in own else CUT:
         k = int(share * (len(values) - 1))
         for name, end in (("low", values[k]), ("high", values[-1 - k])):
             if shown not in own or np.count_nonzero(values == end) >= STANDS:  # what is logged shows its limits
                 found.append({name: (end - zero) * to_unit})
+            elif unseen:  # but those that it meets between two rows only
+                out = (-1.0 if name == "low" else 1.0) * float(np.ptp(values))
+                found += [{name: (end + by * out - zero) * to_unit} for by in BEYOND]
     return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
 
 

@@ -27,13 +27,17 @@ Floats = NDArray[np.float64]
 BETWEEN = 10  # draws of a noise from row to row, at most; one held over two scans is another, 250 nats off once
 SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
+LARGE = (0.3, 0.55, 0.8)  # of any S, likewise
 ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
 SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 2, 0.14  # places from which sizes are searched, and by how much their J/S differ at least
+OFTEN = 6  # times that sizes are changed by such a share, where each costs little
 STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
 FEW, STEMS, MOST_STEMS = 4, 12, 24  # of a bank while sizes are looked for, searched, and at the end
+SURER = 3  # times as many at the end, where each costs little
 ROUNDS = 2  # of a fit of noise and loads
+SHOWS = 1.0  # nats that some band must gain over a stem that goes where OP sends it, with the same noise and gains
 AGAIN = 4  # sizes that are asked again in all rows
 ASIDE = 0.1  # share by which sizes are changed to see how sure they are
 LEAST_LOSS, MOST_LOSS = 1.5, 80.0  # nats between which the losses of a bank tell how sure a size is
@@ -82,32 +86,66 @@ def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None, within: 
     ``within``: the nll that its first sizes have to come to, or it is not fitted.
     """
     one = one.of(replace(one.frame, draws=BETWEEN))
-    shared = {key: (without or null).best.values[key] for key in one.frame.free}
-    path = without.best.stem if without is not None else _ideal(null, one)
-    bank = None if path is None else _with_path(one, shared, path, FEW)
-    if bank is None:
-        return None
-    for size in _bands(one) if without is None else _jumps(without):
-        bank.tried(size)
-    if min(map(_nll, bank.trials), default=math.inf) > within:
-        return None
+    banks = sorted(_looked_at(null, one, without), key=lambda bank: min(map(_nll, bank.trials)))
+    near = [bank for bank in banks if min(map(_nll, bank.trials)) <= within]
+    fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]  # each takes little
+    return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
+
+
+def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
+    """Return the fit of a stem from first sizes with the noise and gains of a bank."""
+    shared = bank.shared
     bank.count = STEMS
     best = min((_refined(bank, start) for start in _starts(bank)), key=_nll, default=None)
     if best is None:
         return None
     known = refined(_known(one, best.stem).filtered(shared), tuple(one.frame.free), ROUNDS)
     shared = {key: known.best.values[key] for key in one.frame.free}
-    bank = _with_path(one, shared, best.stem)
-    if bank is None:
+    last = _with_path(one, shared, best.stem)
+    if last is None:
         return None
-    _refined(bank, best)
-    return _finished(bank, known) if bank.trials else None
+    _refined(last, best)
+    return _finished(last, known) if last.trials else None
+
+
+def _looked_at(null: Fit, one: Hypothesis, without: Fit | None) -> list[Bank]:
+    """Return banks with trials of first sizes that show beside a stem that goes where OP sends it.
+
+    A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
+    """
+    found: list[Bank] = []
+    fitted = {key: (without or null).best.values[key] for key in one.frame.free}
+    both = without is None or one.bare is not None
+    for shared in (fitted, dict(one.frame.stated)) if both else (fitted,):
+        path = without.best.stem if without is not None else _ideal(null, one)
+        bank = None if path is None else _with_path(one, shared, path, FEW)
+        if bank is None:
+            continue
+        still = None if without is not None else bank.tried(_without_band(one))
+        pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []  # where each costs little
+        for size in [*(_bands(one) if without is None else _jumps(without)), *pairs]:
+            bank.tried(size)
+        best = bank.best()
+        if best is not None and (still is None or best.nll < still.nll - SHOWS):
+            found.append(bank)
+    return found
 
 
 def _bands(one: Hypothesis) -> list[dict[str, float]]:
     """Return the bands without a jump that are tried first."""
     low, high = _range(one)
     return [{one.own[0]: float(s), **dict.fromkeys(one.own[1:], 0.0)} for s in np.geomspace(low, high, SIZES)]
+
+
+def _pairs(one: Hypothesis) -> list[dict[str, float]]:
+    """Return sizes of stems of which no play says where to look for them."""
+    return [{"S": band["S"], "J": share * band["S"]} for band in _bands(one) for share in LARGE]
+
+
+def _without_band(one: Hypothesis) -> dict[str, float]:
+    """Return the sizes of a stem that goes where OP sends it."""
+    low, _ = _range(one)
+    return {one.own[0]: NEARLY_NONE * low, **dict.fromkeys(one.own[1:], 0.0)}
 
 
 def _jumps(without: Fit) -> list[dict[str, float]]:
@@ -162,7 +200,7 @@ def _last(bank: Bank) -> Innovations:
     """Return the likeliest trial of a bank, asked again with more stems."""
     best = bank.best()
     assert best is not None
-    bank.count = MOST_STEMS
+    bank.count = MOST_STEMS * (SURER if bank.one.bare is not None else 1)
     return bank.tried(_sizes(best), best.hypothesis) or best
 
 
@@ -218,7 +256,10 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
     """Return the likeliest of sizes near a start, step by step."""
     best = bank.tried(_sizes(start), start.hypothesis) or start
     for step in STEPS:
-        best = _nearby(bank, best, step)
+        for _ in range(OFTEN if bank.one.bare is not None else 1):
+            before, best = best, _nearby(bank, best, step)
+            if best is before:
+                break
     if isinstance(bank.one.effect, Stiction) and best.values.get("J", 0.0) > 0.0:
         other = _other_law(best.hypothesis)
         ahead = bank.tried(_sizes(best), other)
@@ -261,9 +302,7 @@ def _ideal(null: Fit, one: Hypothesis) -> Floats | None:
     """Return where the stem would be that goes where OP sends it, at each stop."""
     try:
         near = null.hypothesis.filtered(null.best.values, joined=True)
-        low, _ = _range(one)
-        size = {one.own[0]: NEARLY_NONE * low, **dict.fromkeys(one.own[1:], 0.0)}
-        return left_by_bank(one, {**null.best.values, **size}, near, 1).stem
+        return left_by_bank(one, {**null.best.values, **_without_band(one)}, near, 1).stem
     except ArithmeticError:
         return None
 

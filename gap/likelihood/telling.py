@@ -1,15 +1,17 @@
 """What a diagnosis by one likelihood says: its report, in words first."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from stickslip.gap.answers.sureness import OUTSIDE, Sureness
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.diagnosing import Outcome
+from stickslip.gap.likelihood.diagnosing import Outcome, needed
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
+from stickslip.gap.likelihood.hidden import hidden
 from stickslip.gap.likelihood.relevance import RELEVANT
 from stickslip.gap.likelihood.search import price
 from stickslip.gap.records.given import sizes
@@ -20,8 +22,27 @@ from stickslip.gap.telling.structure import by_wiring
 from stickslip.gap.telling.words import LISTED
 
 
-def told(o: Outcome) -> GapReport:
-    """Return the report of an outcome."""
+def told(o: Outcome, limits: bool = True, seed: int = 0, counted: Sureness | None = None) -> GapReport:
+    """Return the report of an outcome; ``limits``: whether it says, without a gap, what would have shown; ``counted``
+    how often such answers were right in runs of this model, if any were made.
+    """
+    report = _as_found(o, limits, seed)
+    if counted is None or not counted.runs or not report.gap:
+        return report
+    assert report.evidence is not None
+    sure = counted.probability(report.evidence)
+    causes = tuple(replace(cause, probability=sure) for cause in report.causes)
+    where = None if report.where is None else replace(report.where, probability=sure / _shared(report))
+    return replace(report, causes=causes, where=where, notes=(*report.notes, str(counted)))
+
+
+def _shared(report: GapReport) -> int:
+    """Return among how many places an unknown effect is shared."""
+    unknown = report.causes and report.causes[0].effect == UNKNOWN and report.where is not None
+    return len(report.where.confidence_set) if unknown and report.where is not None else 1
+
+
+def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
     if not o.gap:
         words = [
             "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
@@ -33,6 +54,12 @@ def told(o: Outcome) -> GapReport:
                 f"No gap of relevance: {_name(near)} at {near.hypothesis.place} would explain the log best, but it "
                 f"moves no signal by more than {o.share:.2g} of its movement; less than {RELEVANT:g} is no gap."
             ]
+        would = hidden(o.null, o.looked, needed(o.looked), seed + 1) if limits else []
+        if would:
+            words.append(
+                "Possible all the same, since smaller ones do not show in this record; what would have shown, as runs "
+                f"with it say: {'; '.join(would)}."
+            )
         return _report(o, words, o.null)
     return _named(o) if o.named else _unknown(o)
 
@@ -70,7 +97,8 @@ def _named(o: Outcome) -> GapReport:
 
 
 def _unknown(o: Outcome) -> GapReport:
-    near = abnormal_segment(o.null.hypothesis.frame, o.null.best.judged)
+    elsewhere = o.stem is not None and not o.stem.follows
+    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(o.null.hypothesis.frame, o.null.best.judged)
     best = o.fits[0] if o.fits else None
     place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
@@ -138,10 +166,13 @@ def _report(
     ranks: tuple[Rank, ...] = (), shrunk: Shrinkage | None = None,
 ) -> GapReport:  # fmt: skip
     f = o.null.hypothesis.frame
+    if o.stem is not None:
+        way = "follows" if o.stem.follows else "does not follow"
+        words = [*words, f"The logged stem {o.stem.signal} {way} the input of {o.stem.place}."]
     both = np.stack([o.null.best.judged, after.best.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     gained = max(o.null.nll - after.nll, 0.0)
-    rests = "filter, digits" if o.textured else "filter, white"
+    rests = "filter, digits" if o.textured else "pair" if o.firsts else "filter, white"
     kind = "none" if not o.gap else (rests if o.named else "filter, unknown")
     evidence = Evidence(kind, gained)
     t, notes = f.record.log.t[f.skipped :], _notes(o, after)
@@ -152,11 +183,16 @@ def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
     f = o.null.hypothesis.frame
     log, steps = f.record.log, np.sqrt(12.0 * f.r)
     rounded = [f"{s} rounded to {step:.3g}" for s, step in zip(f.signals, steps, strict=True)]
+    free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.given.unsure.items()]
+    exactly = o.null.best.gains is None
     return (
         f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(rounded)}.",
         "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
         *stated_wrongly(f.model, after.best.values),
-        "Innovations of an extended Kalman filter whose prediction is the run of the model itself.",
+        *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
+        "Innovations of a Kalman filter of the model, exact from row to row."
+        if exactly
+        else "Innovations of an extended Kalman filter whose prediction is the run of the model itself.",
         by_wiring(f.quiet, log.names),
         *log.notes,
     )

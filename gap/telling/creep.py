@@ -60,8 +60,8 @@ def about_creep(effect: Effect, sizes: Mapping[str, Size], creeping: bool = Fals
             f"The stem creeps: steps of OP move it that friction at rest would hold. This log shows only "
             f"S - J = {width:.3g} %, so S is at least that; {SLOWLY} would show both."
         ]
-    if isinstance(effect, Deadband):
-        width = sizes["width"].value
+    if isinstance(effect, Deadband) or creeps(effect, sizes):
+        width = sizes["width"].value if "width" in sizes else sizes["S"].value - sizes["J"].value
         return [
             f"A stem that creeps, of any S and J with S - J = {width:.3g} %, gives the same log, because OP moves in "
             f"steps; {SLOWLY} would show the difference."

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from stickslip.cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
+from stickslip.cases.models import level_loop, second_order_flow, site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.filters.diagnosing import filtering_of
-from stickslip.gap.records.model import read
 from stickslip.logs import Log
 
 LEVEL = {"loop": level_loop, "middle": 0.5, "reach": 0.1, "digit": 0.0005}
@@ -81,21 +79,6 @@ def test_what_the_catalogue_lacks_is_unknown(site_record):
     report = diagnose(site_flow(), log, catalogue=known("second_lag", "controller_gain", "sensor_noise"))
     assert [cause.effect for cause in report.causes] == ["unknown"]
     assert report.where.confidence_set == ("controller",)
-
-
-def test_only_a_scanned_loop_with_an_unmeasured_load_has_a_filter(site_record):
-    log = site_record()
-    assert filtering_of(*read(site_flow(), log)) is not None
-    assert filtering_of(*read(second_order_flow(rest=1.5), log)) is not None
-    assert filtering_of(*read(level_loop(), site_record(**LEVEL))) is not None
-    assert filtering_of(*read(ideal_flow(), log)) is None
-    flow = site_record(middle=0.5, reach=0.1, loop=level_loop)
-    cascade = Log(flow.t, {"SP_L": flow["SP"], "L": flow["PV"], "SP": flow["OP"], "PV": flow["OP"], "OP": flow["OP"]})
-    found = filtering_of(*read(level_cascade(), cascade))
-    assert found is not None
-    assert found.controllers == ("level_controller", "controller")
-    assert found.signals == ("PV", "L", "SP", "OP") or found.signals == ("L", "PV", "SP", "OP")
-    assert found.op_at("valve") == found.op_at("controller") == "OP"
 
 
 def test_a_lag_in_a_loop_of_second_order_with_dead_time_is_named(site_record):

@@ -8,11 +8,10 @@ import pytest
 from stickslip.cases.models import level_cascade, site_flow
 from stickslip.gap import calibrated, diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.filters.diagnosing import filtering_of
-from stickslip.gap.filters.explaining import settled
-from stickslip.gap.filters.filtering import Explanation
-from stickslip.gap.filters.hysteresis import looked_at
-from stickslip.gap.filters.logged_stem import logged_stem
+from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 
@@ -50,9 +49,8 @@ def test_what_leaves_the_same_log_as_a_bias_is_named_with_it_however_small(site_
 def test_an_output_that_stands_at_a_limit_is_sure(site_record):
     # the likelihood of a rounded value that is sure is 1/step, which is 0.5 ln(step^2/(2 pi)) in the filter's loss
     log = site_record("controller_limits", "controller", low=0.0, high=58.0)
-    f = filtering_of(*read(site_flow(), log))
-    f = settled(f).best.explanation.filtering
-    one = Explanation(f, effect("controller_limits"), "controller").filtered({"low": 0.0, "high": 58.0})
+    f = when_switched(frame_of(*read(site_flow(), log)))
+    one = Hypothesis(f, effect("controller_limits"), "controller").filtered({"low": 0.0, "high": 58.0})
     standing = np.isnan(one.e[:, 1]) & ~np.isnan(one.e[:, 0])
     assert standing.sum() > 10
     assert np.abs(log["OP"][standing] - 0.58).max() < 0.0011
@@ -80,7 +78,7 @@ def test_a_log_that_begins_as_if_the_controller_were_at_a_limit_has_a_filter(sit
     log = site_record()
     OP = log["OP"].copy()
     OP[0] = -0.4 * (log["SP"][0] - log["PV"][0]) - 0.5
-    assert filtering_of(*read(site_flow(), Log(log.t, {"SP": log["SP"], "PV": log["PV"], "OP": OP}))) is not None
+    assert frame_of(*read(site_flow(), Log(log.t, {"SP": log["SP"], "PV": log["PV"], "OP": OP}))) is not None
 
 
 def test_a_logged_stem_says_on_which_side_of_it_the_gap_lies(site_record):
@@ -120,13 +118,6 @@ def test_a_calibration_counts_answers_of_the_filter_and_a_diagnosis_states_them(
     assert "in 7 runs of this model" in report.notes[-1]
 
 
-def test_probabilities_are_shares_of_runs(site_record):
-    report = diagnose(site_flow(), site_record("second_lag", "process", tau=2.0), catalogue=known("second_lag"))
-    assert report.evidence.kind == "filter, white"
-    assert report.causes[0].probability < 1.0
-    assert any(note.startswith("Probabilities are shares of right names") for note in report.notes)
-
-
 def test_a_slow_stem_under_a_noisy_output_is_named_in_a_cascade():
     # its likelihood is a peak between two sizes of the grid, and its filter knows it by mean and variance only
     made = record("cascade", ["valve_rate_limit"], seed=7701, hours=2.0)
@@ -141,8 +132,9 @@ def test_a_bank_of_stems_outlives_rows_that_exclude_every_stem():
     # a sensor that freezes for half a minute at a time: where it moves again, rows are hundreds of deviations off
     made = record("site", severity="gross", seed=7800, outside="frozen_sensor")
     log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
-    looked = looked_at(settled(filtering_of(*read(site_flow(), log))), "valve")
-    assert np.isfinite([looked.none, *(one.nll for one in looked.flat)]).all()
+    one = Hypothesis(when_switched(frame_of(*read(site_flow(), log))), effect("deadband"), "valve")
+    found = [left_by_bank(one, {**one.frame.stated, "width": width}, None, 4).nll for width in (0.1, 1.0, 10.0)]
+    assert np.isfinite(found).all()
 
 
 def test_a_limit_at_the_highest_output_of_a_record_without_a_gap_is_none():

@@ -7,8 +7,8 @@ import pytest
 from stickslip.blocks import SampledFunction, SampledPI, SampledSensor, Staircase
 from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
-from stickslip.gap.filters.checks import checks
 from stickslip.gap.insertion.scales import span
+from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read

@@ -1,14 +1,15 @@
-"""A diagram from one scan to the next: what is linear in it as matrices, cut where controllers and the valve act.
+"""A linear diagram from one scan to the next, as matrices.
 
-    s_k  = S z_k + S_in u_k + S_op OP_k + S_mv MV_k                signals just after scan k
-    z_k+1 = F z_k + F_in u_k + F_op OP_k + F_mv MV_k + w_k          w_k ~ N(0, Q), independent
+    s_k  = S z_k + S_in u_k + S_op OP_k                signals just after scan k
+    z_k+1 = F z_k + F_in u_k + F_op OP_k + w_k          w_k ~ N(0, Q), independent
 
 z: states of continuous blocks, memories of sampled ones, loads and noise in force, values on their way through dead
-times, the last OPs.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what each
-controller gives within its limits, the outer one of a cascade first, MV what the valve makes of the opening that it is
-told: none is linear, so they are inputs here and computed where a log is filtered.  Between scans nothing but
+times, the last OPs.  u: logged inputs, the time, 1.  OP is what each controller gives, the outer one of a cascade
+first; one that scans more slowly holds its last between its scans, and its memories.  Between scans nothing but
 continuous blocks moves, under held inputs, so the matrices are exact (matrix exponential); what passes a dead time
 while it moves is held at its mean.
+
+Where a valve is ``cut``, what its stem makes of the opening that it is told is an input as well, MV.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,10 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from stickslip.blocks.block import Block
-from stickslip.diagram.diagram import Diagram
-from stickslip.gap.filters import kalman
-from stickslip.gap.filters.affine import Affine, NotAffine, affine
-from stickslip.gap.filters.operating import ONLOOKERS, beyond_limit, inside
+from stickslip.gap.exact.affine import Affine, NotAffine, affine
+from stickslip.gap.exact.operating import ONLOOKERS, inside
 from stickslip.gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
@@ -31,55 +30,48 @@ LATE = 100  # scans of dead time at most: each is one more z, and the work grows
 
 @dataclass(frozen=True, eq=False)
 class Scanned:
-    """Matrices over the columns [z, OPs, MV, u]: ``n`` of z, one for each controller, 1, then the inputs by name.
+    """Matrices over the columns [z, OPs, u]: one of u for each ``kind``, the logged inputs, the time and 1.  Where a
+    valve is cut they are [z, OPs, MV, u], and ``told`` is the opening that the valve is told.
 
-    ``F`` next z; ``v`` what controllers would give without limits, (controllers, columns), each follows those before it
-    only; ``told`` the opening that the valve is told, none without a cut there; ``H`` logged signals; ``Q``; ``limits``
-    of OPs, (controllers, 2); ``beyond`` rows of F for the ``memory`` of the controllers, ``of`` which each is, while
-    that is at a limit: (high or low, pushed further or not, memories, columns); ``last`` where z has the last OPs;
-    ``period`` and ``offset`` of controllers in scans; ``start`` z at first.
+    ``F`` next z; ``v`` what controllers give, (controllers, columns), each follows those before it only; ``H`` logged
+    signals; ``Q``; ``memory`` of the controllers, ``of`` which each is; ``last`` where z has the last OPs; ``period``
+    and ``offset`` of controllers in scans; ``start`` z at first; ``drawn`` which of z are loads and noise.
     """
 
-    names: tuple[str, ...]
-    inputs: tuple[str, ...]
+    kinds: tuple[str, ...]
     F: Floats
     v: Floats
-    told: Floats | None
     H: Floats
     Q: Floats
-    limits: Floats
     memory: Whole
     of: Whole
-    beyond: Floats
     last: Whole
     period: Whole
     offset: Whole
     start: Floats
+    drawn: Whole
+    told: Floats | None = None
 
     @property
     def n(self) -> int:
         """Length of z."""
-        return len(self.names)
+        return len(self.start)
 
-    @property
-    def free(self) -> Floats:
-        """How OPs at no limit follow z, (controllers, n)."""
-        W = np.empty((len(self.v), self.n))
-        count = len(self.v)
-        kalman.slopes(self.v, self.n, np.ones(count, dtype=bool), np.ones(count), self.last, W)
-        return W
-
-    @property
-    def shown(self) -> Floats:
-        """How logged signals follow z while OPs are at no limit, (signals, n)."""
-        C = len(self.v)
-        found: Floats = self.H[:, : self.n] + self.H[:, self.n : self.n + C] @ self.free
-        return found
-
-
-def base_period(diagram: Diagram) -> float:
-    """Return the shortest scan period of a diagram's blocks [s], 0 where nothing scans."""
-    return min((b.period for b in diagram.blocks if b.sampled), default=0.0)
+    def closed(self, k: int) -> tuple[Floats, Floats]:
+        """Return next z, and the logged signals, at scan ``k`` as they follow [z, u], controllers in the loop."""
+        n, C = self.n, len(self.v)
+        acts = (k - self.offset) % self.period == 0
+        given = np.zeros((C, n + len(self.kinds)))
+        for c in range(C):
+            if acts[c]:
+                given[c] = np.delete(self.v[c], np.s_[n : n + C]) + self.v[c, n : n + C] @ given
+            else:
+                given[c, self.last[c]] = 1.0
+        F, H = (np.delete(M, np.s_[n : n + C], axis=1) + M[:, n : n + C] @ given for M in (self.F, self.H))
+        held = self.memory[~acts[self.of]] if len(self.of) else self.memory
+        F[held] = 0.0
+        F[held, held] = 1.0
+        return F, H
 
 
 def scanned(
@@ -89,16 +81,14 @@ def scanned(
     logged: Sequence[str],
     inputs: Sequence[str],
     near: Mapping[str, float],
-    valve_signal: str = "",
-    load_signal: str = "",
-    period: float = 1.0,
+    period: float,
+    cut: str = "",
 ) -> Scanned:
     """Return the matrices of the blocks of a silent diagram.
 
-    ``noise`` its nuisances with their sizes; ``controllers`` the blocks whose outputs are cut, the outer one of a
-    cascade first; ``logged`` signals to observe, ``inputs`` open inputs; ``near`` the value of each signal
-    (``operating``), at no limit; ``valve_signal``: where a law acts on the opening; ``load_signal``: to which planned
-    loads are added; ``period`` of a scan [s].
+    ``noise`` its nuisances with their sizes; ``controllers`` the blocks that scan and act, the outer one of a cascade
+    first; ``logged`` signals to observe, ``inputs`` open inputs; ``near`` the value of each signal (``operating``), at
+    no limit; ``period`` of a scan [s]; ``cut`` the signal of a stem.
     Raises ``NotAffine`` if a block bends, delays by more than ``LATE`` scans, or scans at times of its own.
     """
     h = period
@@ -128,8 +118,8 @@ def scanned(
             names += [f"{b.name} input {i} late {j + 1}" for j in range(length)]
     last = len(names) + np.arange(len(ops))
     names += [f"last {s}" for s in ops]
-    n, kinds = len(names), (*inputs, "t", "1", "load")
-    at_mv, at_in = n + len(ops), n + len(ops) + 1
+    n, kinds = len(names), (*inputs, "t", "1")
+    at_in = n + len(ops) + (1 if cut else 0)
     N = at_in + len(kinds)
     unit = np.eye(N)
     in_force: dict[str, Floats] = {}
@@ -158,14 +148,13 @@ def scanned(
         first += k
     for j, s in enumerate(inputs):
         r[place[s]] = unit[at_in + j]
-    if load_signal:
-        r[place[load_signal]] += unit[N - 1]
     raw_G, raw_r = G.copy(), r.copy()
-    for s, column in (*((s, n + c) for c, s in enumerate(ops)), (valve_signal, at_mv)):
-        if s:
-            G[place[s]], r[place[s]] = 0.0, unit[column]
+    for c, s in enumerate(ops):
+        G[place[s]], r[place[s]] = 0.0, unit[n + c]
+    if cut:
+        G[place[cut]], r[place[cut]] = 0.0, unit[n + len(ops)]
     s_now: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
-    given = raw_G @ s_now + raw_r  # what blocks give, before it is cut
+    given = raw_G @ s_now + raw_r  # what controllers give now
     F = np.zeros((n, N))
     for b in blocks:
         first, k, a, _ = rows_of[b.name]
@@ -185,7 +174,7 @@ def scanned(
     for b, first, k in moving:
         a = rows_of[b.name][2]
         for row, s in zip(a.given, b.output_labels, strict=True):
-            if str(s) not in (*ops, valve_signal):
+            if str(s) not in (*ops, cut):
                 for j in range(k):
                     direct[place[str(s)], index.index(first + j)] = row[j]
     # a signal between scans = still + free (x - x_k): sampled outputs are held
@@ -235,21 +224,8 @@ def scanned(
         Q[k, k] = (1.0 - phi**2) * one.sd**2
     F[last, n + np.arange(len(ops))] = 1.0
 
-    # --- controllers at a limit
-    limits = np.array([b.limits if b.limit_params else (-np.inf, np.inf) for b in acting])
     memory = [rows_of[b.name][0] + j for b in acting for j in range(rows_of[b.name][1])]
     of = [c for c, b in enumerate(acting) for _ in range(rows_of[b.name][1])]
-    beyond = np.broadcast_to(F[memory], (2, 2, len(memory), N)).copy()
-    for c, block in enumerate(acting):
-        here = np.flatnonzero(np.array(of) == c)
-        for side, sign in enumerate((1.0, -1.0)):
-            for push, way in enumerate((1.0, -1.0)):
-                there = beyond_limit(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
-                if there:
-                    first = rows_of[block.name][0]
-                    beyond[side, push, here] = _moved(
-                        block, there, first, s_now, unit, place, delayed, at_in + len(inputs)
-                    )
     start = np.zeros(n)
     for b in blocks:
         first, k, a, _ = rows_of[b.name]
@@ -258,10 +234,10 @@ def scanned(
     for name, i, first, length, _ in lines:
         start[first : first + length] = at[place[str(named[name].input_labels[i])]]
     start[last] = at[[place[s] for s in ops]]
-    H = np.stack([given[place[s]] if s in ops else s_now[place[s]] for s in logged])
-    told = given[place[valve_signal]] if valve_signal else None
-    return Scanned(tuple(names), kinds, F, given[[place[s] for s in ops]], told, H, Q, limits, np.array(memory),
-                   np.array(of), beyond, last, periods, offsets, start)  # fmt: skip
+    H = np.stack([s_now[place[s]] for s in logged])
+    return Scanned(kinds, F, given[[place[s] for s in ops]], H, Q, np.array(memory, dtype=int),
+                   np.array(of, dtype=int), last, periods, offsets, start,
+                   len(own) + np.arange(len(noise)), given[place[cut]] if cut else None)  # fmt: skip
 
 
 def _scans(blocks: Sequence[Block], acting: Sequence[Block], h: float) -> tuple[Whole, Whole]:

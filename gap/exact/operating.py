@@ -1,18 +1,13 @@
-"""The points of linearisation of a diagram's blocks: usual values of all signals, controllers far beyond a limit."""
+"""The point of linearisation of a diagram's blocks: usual values of all signals."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.filters.affine import Affine, Alike, affine
 
-Floats = NDArray[np.float64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
-FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 
 
 def operating(
@@ -44,24 +39,3 @@ def inside(block: Block, near: Mapping[str, float]) -> Block:
     if block.role is not Role.CONTROLLER or not block.sampled or not block.limit_params or not names:
         return block
     return block.starting_at(**{names[0]: near[str(block.output_labels[0])]})
-
-
-def beyond_limit(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
-    """Return a controller far beyond its limit on one side, its error pushing upwards or downwards."""
-    return _beyond(Alike(block), tuple(u.tolist()), sign, push)
-
-
-@lru_cache(maxsize=256)
-def _beyond(alike: Alike, here: tuple[float, ...], sign: float, push: float) -> Affine | None:
-    block, u = alike.block, np.array(here)
-    names = block.seen_states()
-    if not block.sampled or not names:
-        return None
-    sp, pv = (list(block.input_labels).index(str(block.loop_signal(part))) for part in ("SP", "PV"))
-    up, down = u.copy(), u.copy()
-    up[sp], down[sp] = u[sp] + 0.01, u[sp] - 0.01
-    x = np.asarray(block.seen_start(), dtype=float)
-    way = 1.0 if block.output(0.0, x, up)[0] >= block.output(0.0, x, down)[0] else -1.0
-    at = u.copy()
-    at[sp] = at[pv] + way * push * 0.1
-    return affine(block.starting_at(**{names[0]: sign * FAR}), at)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.filters.affine import NotAffine, affine
+from stickslip.gap.exact.affine import NotAffine, affine
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import Inserted
 from stickslip.gap.insertion.paths import given

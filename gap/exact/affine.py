@@ -5,6 +5,7 @@
 Differences are exact for such a block; one that is not says so, and has no filter.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -18,6 +19,7 @@ Floats = NDArray[np.float64]
 STEP = 1e-3  # of a state or an input
 STRAIGHT = 1e-6  # by how much of what the step changes a block may bend
 ROUNDED = 1e-13  # of the sizes that are summed: more cannot be told from rounding
+NEARLY, TIMES = 1e-6, 7  # share of its terms by which a line may be missed; times at which it is asked
 RANDOM = frozenset(seeded(0))
 
 
@@ -41,9 +43,13 @@ def affine(block: Block, u: Floats) -> Affine:
     """
     if block.kernels.n_events > 0 and block.role in (Role.ARITHMETIC, Role.PROCESS):
         raise NotAffine(f"'{block.name}' has kinks")
-    if block.dead_time_param and block.dead_time > 0.0:
-        block = block.with_params(**{block.dead_time_param: 0.0})
-    return _affine(Alike(block), tuple(np.round(u, 9).tolist()))
+    return _affine(Alike(_at_once(block)), tuple(np.round(u, 9).tolist()))
+
+
+def _at_once(block: Block) -> Block:
+    """Return a block without its dead time."""
+    late = block.dead_time_param and block.dead_time > 0.0
+    return block.with_params(**{str(block.dead_time_param): 0.0}) if late else block
 
 
 class Alike:
@@ -97,3 +103,23 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
     in_time = f(z, 1.0) - base if block.kernels.timed else np.zeros(len(base))
     table = np.column_stack([slope, in_time, base - slope @ z])
     return Affine(tuple(names[i] for i in kept), table[: len(kept)], table[len(kept) :])
+
+
+def straight_between(block: Block, middle: Floats, ends: Sequence[Floats], t: Floats) -> None:
+    """Raise ``NotAffine`` for a block that is not the same line at ``ends`` of what enters it as in the ``middle``, or
+    not one in the time from the first to the last of ``t`` [s].
+    """
+    block = _at_once(block)
+    line, names = affine(block, middle), block.seen_states()
+    x = np.array(block.seen_start(), dtype=float)
+    z = np.array([x[names.index(s)] for s in line.states])
+    kept = [names.index(s) for s in line.states]
+    times = np.linspace(float(t[0]), float(t[-1]), TIMES) if block.kernels.timed else np.zeros(1)
+    for u in (middle, *ends):
+        for now in times.tolist():
+            rates = np.asarray(block.dynamics(now, x, u), dtype=float)[kept]
+            found = np.concatenate([rates, np.asarray(block.output(now, x, u), dtype=float)])
+            table = np.vstack([line.moved, line.given])
+            terms = table * np.concatenate([z, u, [now, 1.0]])
+            if np.any(np.abs(found - terms.sum(axis=1)) > NEARLY * np.abs(terms).sum(axis=1) + ROUNDED):
+                raise NotAffine(f"'{block.name}' bends within what the log visits")

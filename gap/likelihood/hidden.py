@@ -1,0 +1,87 @@
+"""How large an effect may be without being seen in a record that has no gap, checked by putting it in.
+
+What a first size changes in the innovations, |d| standard deviations in all, says from which size on ``needed`` nats
+are gained:  size = neutral + (first - neutral) sqrt(2 needed) / |d|.  A size is said only if runs of the model with it
+do gain as much; if they do not, twice that size is tried.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.candidates import Candidate
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.scores import score
+
+RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
+STEMS = 4  # of a bank, times eight
+WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # [%] of plays that are tried
+MOST = 0.8  # of the range of a size, beyond which nothing is said of it
+
+
+def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> list[str]:
+    """Return in words the sizes from which on effects would have shown, of those that have a single size."""
+    said = []
+    for one in found:
+        hypothesis = one.hypothesis
+        (p, *more) = [p for p in hypothesis.effect.parameters if not p.nuisance] if hypothesis.effect else [None]
+        if p is None or more or not p.smooth or hypothesis.effect is None:
+            continue
+        size = _of_play(null, hypothesis, p, needed, seed) if hypothesis.hides else _of(null, one, p, needed, seed)
+        if size is not None:
+            at = f"{hypothesis.effect.name} at {hypothesis.place}"
+            said.append(f"{at}, {p.name} {size}{'' if p.unit == '-' else f' {p.unit}'}")
+    return said
+
+
+def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> str | None:
+    hypothesis = one.hypothesis
+    nominal, first = hypothesis.nominal[p.name], one.values[p.name]
+    low, high = hypothesis.bounds[p.name]
+    if not (math.isfinite(nominal) and math.isfinite(first)) or first == nominal:
+        return None
+    changed = tried(hypothesis, {**null.best.values, p.name: first}, null.best)
+    scored = None if changed is None else score(null, changed)
+    if scored is None:
+        return None
+    by = (first - nominal) * math.sqrt(2.0 * needed) / scored[2]
+    for _ in range(DOUBLED):
+        if not low <= nominal + by <= high or abs(by) > MOST * max(high - nominal, nominal - low):
+            return None
+        values = {**null.best.values, p.name: nominal + by}
+        if _shows(null, hypothesis, values, needed, seed):
+            return f"{nominal:g} +- {abs(by):.2g}" if nominal else f"of more than {abs(by):.2g}"
+        by *= 2.0
+    return None
+
+
+def _shows(null: Fit, one: Hypothesis, values: dict[str, float], needed: float, seed: int) -> bool:
+    """Return whether runs with these values are likelier with them than without by as much as a gap needs."""
+    f = one.frame
+    for log in without_gap(one.model(values), f.record, RUNS, seed):
+        run = replace(f, record=replace(f.record, log=log))
+        apart = tried(null.hypothesis.of(run), null.best.values), tried(one.of(run), values)
+        if apart[0] is None or apart[1] is None or apart[0].nll - apart[1].nll < needed:
+            return False
+    return True
+
+
+def _of_play(null: Fit, one: Hypothesis, p: Parameter, needed: float, seed: int) -> str | None:
+    """Return the width of a play that would have shown, of those that are tried."""
+    f = one.frame
+    if null.best.gains is not None:  # a bank across runs takes too long
+        return None
+    for width in WIDTHS:
+        values = {**null.best.values, p.name: width}
+        gained = []
+        for log in without_gap(one.model({**one.nominal, **values}), f.record, RUNS, seed):
+            run = one.of(replace(f, record=replace(f.record, log=log)))
+            with_play, none = (left_by_bank(run, {**values, p.name: w}, null.best, STEMS) for w in (width, 1e-3))
+            gained.append(none.nll - with_play.nll)
+        if gained and min(gained) >= needed:
+            return f"of more than {width:g}"
+    return None

@@ -1,0 +1,104 @@
+"""What a hypothesis states, an effect at a place or none: a diagram, its parameters, and its exact filter if any."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.exact.exact import Exact
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.records.model import nuisances, silenced
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """An ``effect`` at a ``place``, or none."""
+
+    frame: Frame
+    effect: Effect | None = None
+    place: str = ""
+
+    @cached_property
+    def changed(self) -> Diagram:
+        """The model with the blocks of the effect."""
+        f = self.frame
+        if self.effect is None or self.effect.of_log:
+            return f.model
+        return self.effect.started(self.effect.put(f.model, self.place), self.place, f.first)
+
+    @property
+    def hides(self) -> bool:
+        """Whether its effect has a mode that no log shows."""
+        return self.effect is not None and self.effect.hidden
+
+    @property
+    def bends(self) -> bool:
+        """Whether its effect is a limit: gains of a model without it do not hold where it is met."""
+        return self.own == ("low", "high")
+
+    @property
+    def nests(self) -> str:
+        """The effect that its own is where its further sizes are neutral: a stem that does not jump."""
+        return self.effect.nests if self.effect else ""
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """Parameters of the effect."""
+        return tuple(p.name for p in self.effect.parameters) if self.effect else ()
+
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Parameter -> (low, high): those of the effect, then what is free in every fit."""
+        own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
+        return own | self.frame.free
+
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Parameter -> its value without the effect."""
+        own = self.effect.nominal(self.frame.model, self.place) if self.effect else {}
+        return own | self.frame.stated
+
+    def settings(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters of blocks that these values stand for."""
+        found = self.frame.given.settings(values)
+        if self.effect is not None:
+            own = {name: values[name] for name in self.own}
+            found |= self.effect.settings(self.frame.model, self.place, **own)
+        return found
+
+    @cached_property
+    def exact(self) -> Exact | None:
+        """Its Kalman filter, None where its diagram is not linear and scanned, as far as is known."""
+        f = self.frame
+        if f.scans is None or (self.effect is not None and (self.effect.of_log or self.hides)):
+            return None
+        changed = self.changed
+        return Exact(silenced(changed), nuisances(changed), f.signals, f.record, f.scans)
+
+    @cached_property
+    def bare(self) -> Exact | None:
+        """The Kalman filter of the model without the effect, None where rows are not in step with its scans."""
+        f = self.frame
+        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+
+    @cached_property
+    def drawing(self) -> frozenset[str]:
+        """The sizes of all random numbers of the changed model, those that no logged signal feels as well."""
+        return frozenset(f"{one.block}.{key}" for one in nuisances(self.changed) for key in ("sd", "correlation_time"))
+
+    def stated_of(
+        self, exact: Exact, values: Mapping[str, float]
+    ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+        """Return the parameters of an exact filter's blocks, and the sizes of its random numbers."""
+        settings = self.settings(values)
+        there = {b.name for b in exact.diagram.blocks}
+        params = {k: v for k, v in settings.items() if k not in self.drawing and k.rpartition(".")[0] in there}
+        sizes = {
+            one.block: (
+                settings.get(f"{one.block}.sd", one.sd),
+                settings.get(f"{one.block}.correlation_time", one.correlation_time),
+            )
+            for one in exact.noise
+        }
+        return params, sizes
