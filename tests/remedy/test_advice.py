@@ -22,7 +22,7 @@ from stickslip.remedy.trial import NOTHING, UNSTABLE, diagram_of, outcomes
 
 @pytest.fixture(scope="module")
 def record():
-    return sticky(hours=2.0, seed=3)
+    return sticky(hours=4.0, seed=3)
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +55,10 @@ def test_doing_nothing_gives_what_the_record_shows(record, advice):
 
 def test_a_trial_meets_the_whole_load_of_the_record(found):
     late = [
-        (np.where(np.arange(len(own)) < 2000, own, own + np.sin(np.arange(len(own)) / 40.0)),) for (own,) in found.lefts
+        (np.where(np.arange(len(own)) < 5000, own, own + np.sin(np.arange(len(own)) / 40.0)),) for (own,) in found.lefts
     ]
     as_it_is, more = (outcomes(one, [NOTHING], 2)[0].pv_sd for one in (found, replace(found, lefts=tuple(late))))
-    assert len(found.lefts[0][0]) == 3600 and np.all(more > 1.1 * as_it_is)  # the load of the last third was left out
+    assert len(found.lefts[0][0]) == 7200 and np.all(more > 1.1 * as_it_is)  # the load of the last third was left out
 
 
 def test_what_is_recommended_swings_less_in_its_own_simulation(advice):
@@ -210,7 +210,7 @@ def test_pictures_are_drawn(found, advice):
 def test_the_python_file_runs_and_swings_as_the_record(record, found):
     space = {"__name__": "loop"}
     exec(compile(python_of(found), "loop.py", "exec"), space)
-    run = simulate(space["loop"], 7200.0, every=2.0)
+    run = simulate(space["loop"], 14400.0, every=2.0)
     assert float(np.std(run.log["PV"][900:])) == pytest.approx(float(np.std(record.e[900:])), rel=0.4)
 
 
