@@ -302,7 +302,8 @@ class Innovations:
     @cached_property
     def nll(self) -> float:
         """Negative logarithm of the likelihood of the rows that count [nats]."""
-        value = float(self.losses[self.hypothesis.frame.counted].sum())
+        with np.errstate(over="ignore", invalid="ignore"):  # gains of one model may drive another away
+            value = float(self.losses[self.hypothesis.frame.counted].sum())
         return value if math.isfinite(value) else math.inf
 
     @cached_property
