@@ -30,6 +30,13 @@ class Scans:
     u: Floats
     limited: NDArray[np.bool_]
 
+    @property
+    def unsure(self) -> NDArray[np.bool_]:
+        """Rows at which, or just before which, an output may have been at a limit, (controllers, rows)."""
+        before = np.zeros_like(self.limited)
+        before[:, 1:] = self.limited[:, :-1]
+        return np.asarray(self.limited | before)
+
 
 def base_period(diagram: Diagram) -> float:
     """Return the shortest scan period of a diagram's blocks [s], 0 where nothing scans."""

@@ -82,7 +82,9 @@ def left_by_stems(
     stood, came = np.empty((len(u), count), dtype=np.float32), np.empty((len(Y), count), dtype=np.int32)
     _banked(one.F, one.v, one.told, one.H, one.last, one.start, u, Y, every, K, s, of_OP, q, G, b, g, p, moved, known,
             S, J, draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
-    return _deviates(below), losses, _path(stood, came, every)
+    row_of = np.full(len(u), -1)
+    row_of[::every] = np.arange(len(Y))
+    return _deviates(below), losses, likely_path(stood, came, row_of)
 
 
 def _ahead(one: Scanned, seen: Floats, follows: Floats, r: Floats, every: int) -> tuple[Floats, Floats, Floats]:
@@ -114,13 +116,17 @@ def _known(one: Scanned, u: Floats, seen: Floats, follows: Floats, every: int, r
     return found
 
 
-def _path(stood: NDArray[np.float32], came: NDArray[np.int32], every: int) -> Floats:
-    """Return where one likely stem stood at each scan."""
+def likely_path(stood: NDArray[np.floating], came: NDArray[np.integer], row_of: NDArray[np.int64]) -> Floats:
+    """Return where one likely stem of a bank stood at each stop.
+
+    ``stood`` (stops, stems) where each was, ``came`` (rows, stems) of which stem each came behind a row, ``row_of`` the
+    row at each stop, -1 for none.
+    """
     found, j = np.empty(len(stood)), 0
     for k in range(len(stood) - 1, -1, -1):
         found[k] = stood[k, j]
-        if k % every == 0:
-            j = int(came[k // every, j])
+        if row_of[k] >= 0:
+            j = int(came[row_of[k], j])
     return found
 
 
@@ -131,7 +137,7 @@ def _deviates(below: Floats) -> Floats:
     return np.asarray(ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)))
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def normal(x):  # type: ignore[no-untyped-def]
     """Return the distribution function of a normal deviate."""
     return 0.5 * math.erfc(-x / math.sqrt(2.0))
@@ -170,7 +176,7 @@ def _settled(A, Q, H, r, v, every, G, R, K, s, of_OP, q, g, p, moved):  # type: 
             time_update(P, A, Q, room)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def _summed(row, R, u, out):  # type: ignore[no-untyped-def]
     """Write ``row`` times what each stem has, ``R`` (states, stems), and times what all share, ``u``."""
     out[:] = 0.0
@@ -185,7 +191,7 @@ def _summed(row, R, u, out):  # type: ignore[no-untyped-def]
     out += shared
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def _weighed(w, more, largest):  # type: ignore[no-untyped-def]
     """Multiply weights by exp(more), ``largest`` its largest; return the logarithm of their sum, which is 1 then."""
     total = 0.0

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
-from stickslip.gap.exact.stems import left_by_stems
+from stickslip.gap.exact.stems import left_by_stems, likely_path
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, complain
@@ -50,7 +50,7 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     )  # fmt: skip
     complain(status)
     return Innovations(one, full, e, near.S, near.gains, near.kinks, near.turns, near=near, mixed=losses,
-                       stem=_path(stood, came, row_of))  # fmt: skip
+                       stem=likely_path(stood, came, row_of))  # fmt: skip
 
 
 def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) -> Innovations | None:
@@ -66,9 +66,8 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
     if (loop.period > 1).any():
         return None
     again = np.full(f.anew.shape, -1)
-    for c, limited in enumerate(exact.scans.limited):
-        behind = limited | np.append(False, limited[:-1])
-        again[behind, f.signals.index(exact.ops[c])] = c
+    for c, unsure in enumerate(exact.scans.unsure):
+        again[unsure, f.signals.index(exact.ops[c])] = c
     e, losses, path = left_by_stems(
         loop, exact.scans.u, exact.scans.every, f.anew, f.r, band, sum(jump), DRAWN * count, SEED, again
     )
@@ -76,13 +75,3 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
     nothing = np.zeros(len(e), dtype=np.bool_)
     return Innovations(one, values, e, np.where(np.isnan(e), np.nan, 1.0), None, nothing, np.zeros((0, 0)),
                        mixed=losses, stem=path[at])  # fmt: skip
-
-
-def _path(stood: Floats, came: NDArray[np.int64], row_of: NDArray[np.int64]) -> Floats:
-    """Return where the hidden block of one likely stem stood at each stop."""
-    found, j = np.empty(len(stood)), 0
-    for k in range(len(stood) - 1, -1, -1):
-        found[k] = stood[k, j]
-        if row_of[k] >= 0:
-            j = int(came[row_of[k], j])
-    return found

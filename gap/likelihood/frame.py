@@ -107,8 +107,7 @@ class Frame(Held):
         """
         if self.scans is None:
             return np.zeros(len(self.Y), dtype=np.bool_)
-        at: NDArray[np.bool_] = np.asarray(self.scans.limited.any(axis=0))
-        return np.asarray(at | np.append(False, at[:-1]))
+        return np.asarray(self.scans.unsure.any(axis=0))
 
     @cached_property
     def counted(self) -> NDArray[np.bool_]:

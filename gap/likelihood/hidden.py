@@ -28,8 +28,9 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
     said = []
     for one in found:
         hypothesis = one.hypothesis
-        (p, *more) = [p for p in hypothesis.effect.parameters if not p.nuisance] if hypothesis.effect else [None]
-        if p is None or more or not p.smooth or hypothesis.effect is None:
+        assert hypothesis.effect is not None  # candidates are effects
+        p, *more = (p for p in hypothesis.effect.parameters if not p.nuisance)
+        if more or not p.smooth:
             continue
         size = _of_play(null, hypothesis, p, needed, seed) if hypothesis.hides else _of(null, one, p, needed, seed)
         if size is not None:
@@ -39,6 +40,7 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
 
 
 def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> str | None:
+    """Return the size that would have shown, None where none within its range does."""
     hypothesis = one.hypothesis
     nominal, first = hypothesis.nominal[p.name], one.values[p.name]
     low, high = hypothesis.bounds[p.name]

@@ -13,6 +13,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
+from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.prepared import Prepared, prepared
@@ -21,8 +22,6 @@ from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
-UNSURE = 0.02  # of its size: what is not known of a state at the start
-LEAST = 1e-3  # size of a state that starts at less
 FAR = 8.0  # standard deviations beyond which an innovation counts in proportion only
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full, beyond which gains say nothing
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
@@ -53,14 +52,14 @@ class Hypothesis(Statement):
 
         Raises ``ArithmeticError`` where a run of the diagram fails, or slopes take more runs.
         """
-        f, p = self.frame, self.prepared
+        f = self.frame
         full = {**self.nominal, **values}
         if near is None and (known := self.latest.get((f.record, f.draws, joined))) and known.values == full:
             return replace(known, hypothesis=self)
         exactly = None if joined else self.exactly(full)
         if exactly is not None:
             return exactly
-        near = None if near is None else near.followed
+        p, near = self.prepared, None if near is None else near.followed
         I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
         phi, sd = self.noise_with(full)
         z = standing(W, self.places[0])
