@@ -6,6 +6,9 @@
 d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, unless 0 is neutral: then the
 size in the middle of that range; else the size in its range.  Slopes in noise come from the filter's own slopes, those
 in tolerances from runs with the filter's gains: neither needs a new filter, as the size of an effect does.
+
+What is known within a tolerance is as likely anywhere in it: a fit is drawn to its middle by a normal law of the same
+variance, a twelfth of the square of its width.  A record that tells nothing of it leaves it there.
 """
 
 import math
@@ -89,8 +92,8 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near
             if promised < SETTLED:
                 break
             ahead = _at(now, felt, d, near)
-            if ahead is not None and ahead.nll < now.nll - 1e-3:
-                gained, now, damped = now.nll - ahead.nll, ahead, max(0.2 * damped, 1e-4)
+            if ahead is not None and _loss(ahead) < _loss(now) - 1e-3:
+                gained, now, damped = _loss(now) - _loss(ahead), ahead, max(0.2 * damped, 1e-4)
                 break
             damped *= 12.0
         if gained == 0.0:
@@ -138,7 +141,26 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     slopes, both = np.array(missed), np.array(spread)
     sure = np.sqrt(now.weights)
     D, V = ((x * sure)[:, rows].reshape(len(felt), -1) for x in (slopes, both))
-    return np.array(gradient), D @ D.T + 0.5 * V @ V.T, felt, slopes
+    _, pull, hold = _drawn(now)
+    g = np.array(gradient) + [pull.get(name, 0.0) for name in felt]
+    return g, D @ D.T + 0.5 * V @ V.T + np.diag([hold.get(name, 0.0) for name in felt]), felt, slopes
+
+
+def _loss(now: Innovations) -> float:
+    """Return what values lose by the record and by what is known within a tolerance [nats]."""
+    return now.nll + _drawn(now)[0]
+
+
+def _drawn(now: Innovations) -> tuple[float, dict[str, float], dict[str, float]]:
+    """Return what tolerances say against values [nats], and its slope and bend in the coordinate of each."""
+    one, lost, pull, hold = now.hypothesis, 0.0, {}, {}
+    for name in one.frame.given.base.unsure:
+        low, high = (coordinate(one, name, end) for end in one.bounds[name])
+        away = coordinate(one, name, now.values[name]) - 0.5 * (low + high)
+        hold[name] = 12.0 / (high - low) ** 2
+        pull[name] = hold[name] * away
+        lost += 0.5 * pull[name] * away
+    return lost, pull, hold
 
 
 def _probed(now: Innovations, name: str, at: float, step: float) -> tuple[Innovations, float, NDArray[np.bool_]] | None:

@@ -1,5 +1,6 @@
 """What a diagnosis by one likelihood says: its report, in words first."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -130,9 +131,19 @@ def _whose(fit: Fit) -> tuple[Effect, str]:
 
 
 def _sizes(fit: Fit) -> dict[str, Size]:
-    """Return the sizes of an effect with intervals of 90 %."""
-    one, values = fit.hypothesis, fit.best.values
-    return sizes(one.effect.parameters if one.effect else (), values, fit.sd, one.bounds)
+    """Return the sizes of an effect with intervals of 90 %; a factor of what the model states is as unsure as that."""
+    one, values, sd = fit.hypothesis, fit.best.values, dict(fit.sd)
+    effect, base = one.effect, one.frame.given.base
+    assert effect is not None
+    own = {name: values[name] for name in one.own}
+    for key in (
+        effect.settings(one.frame.model, one.place, **own).keys() & base.unsure.keys() if "factor" in own else ()
+    ):
+        low, high = base.unsure[key]
+        sd["factor"] = math.hypot(
+            sd.get("factor", 0.0), own["factor"] * (high - low) / abs(high + low) / math.sqrt(3.0)
+        )
+    return sizes(effect.parameters, values, sd, one.bounds)
 
 
 def _posterior(o: Outcome, fits: Sequence[Fit]) -> dict[Fit, float]:

@@ -16,6 +16,7 @@ from stickslip.gap.records.model import read
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
+from tests.gap.outside_loops import KINDS, site_log
 
 
 def known(*names):
@@ -143,3 +144,13 @@ def test_a_limit_at_the_highest_output_of_a_record_without_a_gap_is_none():
     log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP_L", "L", "SP", "PV", "OP")})
     limits = known("controller_limits", "sensor_noise")
     assert not diagnose(level_cascade(), log, catalogue=limits, limits=False).gap
+
+
+@pytest.mark.parametrize("name", ["valve_gain", "process_gain"])
+def test_a_gain_is_as_unsure_as_the_tolerance_of_another_gain_beside_it(name, monkeypatch):
+    # the product of both gains shows alone: 0.8 of 3, stated as 2.85 to 3.15 (a loop in plain Python)
+    monkeypatch.setitem(KINDS, "a gain of 0.8", lambda t, rng: {"K": 0.8 * 3.0})
+    report = diagnose(site_flow(), site_log("a gain of 0.8"), catalogue=known(name))
+    size = report.causes[0].parameters["factor"]
+    assert size.low < 0.8 < size.high
+    assert 0.04 < size.high - size.low < 0.12
