@@ -1,6 +1,7 @@
 """The Kalman filter of a diagram that is linear and scanned: exact, and quicker than one across its runs.
 
-Whether it is linear is asked of each block over the range that the log visits, not at one point.
+Whether it is linear is asked of each block over the range that the log visits, not at one point.  What a source does
+in time, a planned load, is an input: its mean over each scan.
 """
 
 from collections.abc import Mapping
@@ -10,8 +11,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.block import Block
+from stickslip.blocks.integrator import Integrator
 from stickslip.blocks.recorded import Recorded
 from stickslip.blocks.role import Role
+from stickslip.diagram import simulate, wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.exact.affine import NotAffine, straight_between
 from stickslip.gap.exact.kalman import filtered
@@ -38,6 +41,7 @@ class Exact:
     record: Record
     scans: Scans
     known: dict[tuple[object, ...], Rows] = field(default_factory=dict)
+    waved: dict[tuple[object, ...], Floats] = field(default_factory=dict)
 
     @cached_property
     def visited(self) -> tuple[dict[str, float], ...]:
@@ -57,11 +61,21 @@ class Exact:
         for block in self.diagram.blocks:
             self._ask(block)
 
+    @cached_property
+    def waves(self) -> tuple[Block, ...]:
+        """The blocks that give something in time, and nothing else."""
+        return tuple(
+            b for b in self.diagram.blocks
+            if b.kernels.timed and not b.input_labels and not b.seen_states() and not isinstance(b, Recorded)
+        )  # fmt: skip
+
     def _ask(self, block: Block) -> None:
         """Raise ``NotAffine`` for a block that bends within what the log visits, or a controller of other limits."""
         if block.role is Role.CONTROLLER and block.limit_params:
             if block.limits != self.diagram[block.name].limits:
                 raise NotAffine(f"'{block.name}' may be at a limit that no controller of the model has")
+        elif block.name in {b.name for b in self.waves}:
+            return
         elif isinstance(block, Recorded):
             raise NotAffine(f"'{block.name}' plays what was recorded, which is no line in time")
         elif block.role not in ONLOOKERS:
@@ -79,7 +93,7 @@ class Exact:
         """
         rows = self._rows(params, sizes)
         kind = rows.kinds(len(Y), self.scans.every)
-        added = rows.added(self.scans.u, self.scans.every, kind)
+        added = rows.added(self.inputs(params), self.scans.every, kind)
         unknown = np.zeros((len(Y), len(rows.start)))
         for c, limited in enumerate(self.scans.limited):
             low, high = self.diagram[self.scans.controllers[c]].limits
@@ -98,7 +112,8 @@ class Exact:
 
     def _rows(self, params: Mapping[str, float], sizes: Mapping[str, tuple[float, float]]) -> Rows:
         """Return the steps from row to row; the last ones are known still, since a switch of an input changes none."""
-        key = (*params.values(), *sizes.values())
+        own = tuple(f"{b.name}." for b in self.waves)
+        key = (*(v for name, v in params.items() if not name.startswith(own)), *sizes.values())
         if key not in self.known:
             one = self.scanned(params, sizes)
             variance = (UNSURE * np.maximum(np.abs(one.start), LEAST)) ** 2
@@ -114,13 +129,33 @@ class Exact:
         for name, value in params.items():
             block, _, own = name.rpartition(".")
             grouped.setdefault(block, {})[own] = float(value)
-        blocks = [b.with_params(**grouped[b.name]) if b.name in grouped else b for b in self.diagram.blocks]
+        waves = {b.name: str(s) for b in self.waves for s in b.output_labels}
+        blocks = [b.with_params(**grouped[b.name]) if b.name in grouped else b for b in self.diagram.blocks
+                  if b.name not in waves]  # fmt: skip
         _ = self.straight
         for block in blocks:
             if block.name in grouped:
                 self._ask(block)
-        return scanned(blocks, noise, self.scans.controllers, self.signals, self.record.played, self.visited[0],
-                       self.scans.period, cut)  # fmt: skip
+        return scanned(blocks, noise, self.scans.controllers, self.signals, (*self.record.played, *waves.values()),
+                       self.visited[0], self.scans.period, cut)  # fmt: skip
+
+    def inputs(self, params: Mapping[str, float]) -> Floats:
+        """Return the inputs at each scan: what is logged, the mean of each wave over the scan, the time, 1."""
+        means = [self._means(b, params) for b in self.waves]
+        return np.column_stack([self.scans.u[:, :-2], *means, self.scans.u[:, -2:]]) if means else self.scans.u
+
+    def _means(self, block: Block, params: Mapping[str, float]) -> Floats:
+        """Return the means of a wave over each scan, (scans, outputs)."""
+        own = {name: params[f"{block.name}.{name}"] for name in block.param_names if f"{block.name}.{name}" in params}
+        t, h = self.scans.u[:, -2], self.scans.period
+        key = (block.name, len(t), float(t[0]), *own.values())
+        if key not in self.waved:
+            sums = [Integrator(1.0, inputs=str(s), outputs=f"sum {s}", name=f"sum {s}") for s in block.output_labels]
+            whole = wire([block.with_params(**own), *sums])
+            found = simulate(whole, len(t) * h, times=np.append(t, t[-1] + h), t0=float(t[0])).log
+            self.waved.clear()
+            self.waved[key] = np.column_stack([np.diff(found[f"sum {s}"]) / h for s in block.output_labels])
+        return self.waved[key]
 
     def of(self, record: Record, scans: Scans) -> "Exact":
         """Return the same filter of another record with inputs that switch at other scans, or of other rows."""

@@ -21,6 +21,7 @@ Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,9 +62,7 @@ def left_by_stems(
     been at a limit before.
     """
     assert one.told is not None
-    rng = np.random.default_rng([seed, count])
-    draws, turns = rng.normal(size=(len(u), len(one.v), count)), rng.random(len(Y))
-    repeats = 1.0 + REPEATS * rng.normal(size=count)
+    draws, turns, repeats = _numbers(seed, count, len(u), len(one.v), len(Y))
     n, C = one.n, len(one.v)
     free = np.zeros((C, n))
     for c in range(C):
@@ -85,6 +84,14 @@ def left_by_stems(
     row_of = np.full(len(u), -1)
     row_of[::every] = np.arange(len(Y))
     return _deviates(below), losses, likely_path(stood, came, row_of)
+
+
+@lru_cache(maxsize=1)
+def _numbers(seed: int, count: int, scans: int, controllers: int, rows: int) -> tuple[Floats, Floats, Floats]:
+    """Return the random numbers of a bank: draws of OP, (scans, controllers, stems), of rows and of breakaways."""
+    rng = np.random.default_rng([seed, count])
+    draws, turns = rng.normal(size=(scans, controllers, count)), rng.random(rows)
+    return draws, turns, 1.0 + REPEATS * rng.normal(size=count)
 
 
 def _ahead(one: Scanned, seen: Floats, follows: Floats, r: Floats, every: int) -> tuple[Floats, Floats, Floats]:

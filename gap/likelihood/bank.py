@@ -60,7 +60,8 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
         return None
     band, *jump = (one.settings(values)[f"{one.effect.block(one.place)}.{name}"] for name in one.own)
     try:
-        loop = exact.scanned(*one.stated_of(exact, values), cut=given(f.model, one.place))
+        params, sizes = one.stated_of(exact, values)
+        loop = exact.scanned(params, sizes, cut=given(f.model, one.place))
     except NotAffine:
         return None
     if (loop.period > 1).any():
@@ -69,7 +70,7 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
     for c, unsure in enumerate(exact.scans.unsure):
         again[unsure, f.signals.index(exact.ops[c])] = c
     e, losses, path = left_by_stems(
-        loop, exact.scans.u, exact.scans.every, f.anew, f.r, band, sum(jump), DRAWN * count, SEED, again
+        loop, exact.inputs(params), exact.scans.every, f.anew, f.r, band, sum(jump), DRAWN * count, SEED, again
     )
     at = np.clip(np.searchsorted(exact.scans.u[:, -2], f.stops[0] + EARLY) - 1, 0, len(path) - 1)
     nothing = np.zeros(len(e), dtype=np.bool_)

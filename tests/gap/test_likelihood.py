@@ -95,9 +95,28 @@ def test_a_wave_that_moves_a_linear_loop_leaves_its_slopes() -> None:
     opened, record = read(site_flow(), site_log(site_flow(), FLOWS, 5.0))
     sine = next(e for e in CATALOGUE if e.name == "sine_disturbance")
     one = Hypothesis(Frame(Given(opened), record), sine, sine.places(opened)[0])
-    found = one.filtered({"amplitude": 0.2, "period": 90.0, "phase": 0.3})
+    sizes = {"amplitude": 0.2, "period": 90.0, "phase": 0.3}
+    found = one.filtered(sizes, joined=True)
     assert found.path is not None
     assert len(found.path.slopes[0]) < 0.05 * len(one.frame.stops[0])
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes"),
+    [
+        ("sine_disturbance", {"amplitude": 0.02, "period": 140.0, "phase": 0.3}),
+        ("slug", {"amplitude": 0.02, "period": 90.0, "phase": 0.3}),
+        ("step_disturbance", {"amplitude": 0.06, "time": 3400.3}),
+    ],
+)
+def test_a_planned_load_in_a_linear_loop_is_an_input_of_the_exact_filter(name: str, sizes: dict[str, float]) -> None:
+    # oracle: the filter across runs of the engine; they differ by what a load does within a scan
+    opened, record = read(site_flow(), site_log(site_flow(), FLOWS, 5.0))
+    (load,) = (e for e in CATALOGUE if e.name == name)
+    one = Hypothesis(Frame(Given(opened), record), load, load.places(opened)[0])
+    exact = one.filtered(sizes)
+    assert exact.gains is None
+    assert exact.nll == pytest.approx(one.filtered(sizes, joined=True).nll, abs=0.2)
 
 
 def test_a_dead_time_passes_its_states_on_in_each_kind_of_stop() -> None:
