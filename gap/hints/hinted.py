@@ -40,7 +40,7 @@ def hints(diagram: Diagram, log: Log) -> tuple[str, ...]:
     tried += [found for s in _moving(diagram, first) for found in _clocks(diagram, first, s)]
     best, (loss, size) = min(tried, key=lambda x: x[1][0], default=(stated, now))
     beyond = now[1] - USUAL
-    if now[0] - loss < CLEAR or now[1] - size < EXPLAINED * beyond:
+    if beyond <= 0.0 or now[0] - loss < CLEAR or now[1] - size < EXPLAINED * beyond:
         return ()
     part = 100.0 * min((now[1] - size) / beyond, 1.0)
     return (

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.likelihood.fit import Fit, refined, tried
@@ -23,7 +24,7 @@ from stickslip.gap.likelihood.switches import with_switches
 Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
-SWITCHED = 8  # limits that are looked at with switches of their own
+SWITCHED = 8  # limits of a controller that are looked at with switches of their own
 SPRINT = 3  # rounds of a fit there
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
@@ -112,8 +113,10 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     """Return the likeliest limit, each with a filter of its own: where it is met other gains hold."""
     at = {key: null.best.values[key] for key in one.frame.free}
     each = [x for size in sizes(null, one) if (x := tried(one, {**at, **size}, None, FIRST_RUNS)) is not None]
-    likely = sorted(each, key=lambda x: x.nll)[:SWITCHED]  # inputs have switched where it suits a loop without a limit
-    best = _likeliest(with_switches(x) for x in likely)
+    likely = sorted(each, key=lambda x: x.nll)
+    # inputs have switched where it suits a loop without a limit: what a controller makes of them is felt most
+    several = SWITCHED if one.frame.model[one.place].role is Role.CONTROLLER else 1
+    best = _likeliest(with_switches(x) for x in likely[:several])
     if best is None:
         return None
     scored = score(null, best)

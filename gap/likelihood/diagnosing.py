@@ -17,11 +17,12 @@ from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
-from stickslip.gap.likelihood.judge import Verdict, enough, judged
+from stickslip.gap.likelihood.judge import MOST_LEFT, Verdict, enough, judged
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.rivals import beside_random, likelier
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.search import (
     LAGGING,
@@ -111,7 +112,7 @@ def when_switched(frame: Frame) -> Frame:
     """Return the frame with inputs that switch when it suits the model as it is stated."""
     now = with_ramps(in_phase(Hypothesis(frame).filtered({})))
     for _ in range(SETTLING):
-        before, now = now, with_switches(now)
+        before, now = now, in_phase(with_switches(now))  # a switch that is wrongly placed hides when scans are
         if now is before:
             break
     return now.hypothesis.frame
@@ -151,7 +152,7 @@ def _likeliest(
             alone = replace(alone, gap=True)
         return replace(alone, stem=stem)
     alone = _explained(frame, catalogue, seed, progress)
-    if not alone.gap or alone.named or not alone.fits:
+    if not alone.gap or alone.named or not alone.fits or not _promising(alone):
         return alone
     both = _with_second(alone.fits[0], catalogue, seed, progress)
     if both is None:
@@ -161,6 +162,13 @@ def _likeliest(
         return single or alone
     same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
     return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
+
+
+def _promising(alone: Outcome) -> bool:
+    """Return whether the best effect gains what the largest figure that the model leaves promises: T^2/2 nats for T
+    standard deviations.  Of two causes the larger one does; where none does the catalogue has not what left it.
+    """
+    return alone.null.nll - alone.fits[0].nll > 0.5 * min(alone.alone.size, MOST_LEFT) ** 2
 
 
 def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome | None:
@@ -234,7 +242,10 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
+    if price(fits[0]) < null.nll and enough(fits[0], best, alone):
+        best = beside_random(fits[0], best)
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
+    good = good and not likelier(fits[0], null, STEM_TIE if mine.hides else 0.0)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)

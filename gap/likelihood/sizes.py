@@ -15,6 +15,7 @@ from stickslip.gap.fits.loads import is_load, planned
 from stickslip.gap.fits.scans import first_scans
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.statement import BEYOND
 
 Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
@@ -22,7 +23,7 @@ SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that a limit would cut
 EVEN = 1e-6  # share of an interval by which a scan may differ from it
-BEYOND = (0.0, 0.02, 0.05, 0.1)  # shares of its range by which a signal may go further between two rows
+FURTHER = (0.0, 0.2, 0.5, 1.0)  # shares of what a signal may go further between two rows
 SLOWER = (*range(2, 13), 15, 20, 30, 60)  # times the model's scan
 STANDS = 3  # rows at which a signal stands at its limit, at least
 CALM = 4.0  # standard deviations from which on innovations propose no load
@@ -78,17 +79,10 @@ def _scans(one: Hypothesis) -> list[dict[str, float]]:
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:
     """Return limits where OP stands or stood: of a valve, or of a controller."""
-    f, effect = one.frame, one.effect
-    assert effect is not None
-    signals = [str(s) for s in f.model[one.place].output_labels + f.model[one.place].input_labels]
-    own = [str(s) for s in f.model[one.place].output_labels]
-    shown = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
+    f, (shown, values, zero, to_unit) = one.frame, one.visited
     if not shown:
         return []
-    low, high = f.model.signal_spans.get(shown, (0.0, 1.0))
-    to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
-    values = np.sort(f.Y[:, f.signals.index(shown)][np.isfinite(f.Y[:, f.signals.index(shown)])])
-    zero = low if to_unit != 1.0 else 0.0
+    own = [str(s) for s in f.model[one.place].output_labels]
     unseen = f.scanned < (1.0 - EVEN) * f.record.log.dt
     found = []
     for share in (CUT[0],) if shown in own else CUT:
@@ -97,9 +91,10 @@ def _limits(one: Hypothesis) -> list[dict[str, float]]:
             if shown not in own or np.count_nonzero(values == end) >= STANDS:  # what is logged shows its limits
                 found.append({name: (end - zero) * to_unit})
             elif unseen:  # but those that it meets between two rows only
-                out = (-1.0 if name == "low" else 1.0) * float(np.ptp(values))
-                found += [{name: (end + by * out - zero) * to_unit} for by in BEYOND]
-    return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
+                out = (-BEYOND if name == "low" else BEYOND) * float(np.ptp(values))
+                found += [{name: (end + by * out - zero) * to_unit} for by in FURTHER]
+    inside = [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
+    return [size for size in inside if size]
 
 
 def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:

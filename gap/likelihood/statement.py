@@ -4,11 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.exact.exact import Exact
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.records.model import nuisances, silenced
+
+Floats = NDArray[np.float64]
+BEYOND = 0.1  # of its range, by which a signal may go further between two rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +56,28 @@ class Statement:
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Parameter -> (low, high): those of the effect, then what is free in every fit."""
         own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
+        shown, values, zero, to_unit = self.visited if self.bends else ("", np.zeros(0), 0.0, 1.0)
+        if shown:  # a limit is where the log goes, whatever spans are stated
+            reach = BEYOND * float(np.ptp(values))
+            lowest, highest = (float((end - zero) * to_unit) for end in (values[0] - reach, values[-1] + reach))
+            own = {name: (min(low, lowest), max(high, highest)) for name, (low, high) in own.items()}
         return own | self.frame.free
+
+    @cached_property
+    def visited(self) -> tuple[str, Floats, float, float]:
+        """The logged signal that shows a limit, its values in order, and what turns them into sizes of the effect: a
+        zero to take away, and a factor.
+        """
+        f = self.frame
+        assert self.effect is not None
+        signals = [str(s) for s in f.model[self.place].output_labels + f.model[self.place].input_labels]
+        shown = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
+        if not shown:
+            return "", np.zeros(0), 0.0, 1.0
+        low, high = f.model.signal_spans.get(shown, (0.0, 1.0))
+        to_unit = 100.0 / (high - low) if self.effect.parameters[0].unit.startswith("%") else 1.0
+        values = f.Y[:, f.signals.index(shown)]
+        return shown, np.sort(values[np.isfinite(values)]), low if to_unit != 1.0 else 0.0, to_unit
 
     @cached_property
     def nominal(self) -> dict[str, float]:

@@ -128,6 +128,7 @@ class Given:
             place for place in self.without.places(effect)
             if (effect.name, place) != (p.effect.name, p.place)
             and not mine & effect.settings(before, place, **effect.nominal(before, place)).keys()
+            and effect.fits(self.model, self.model[place])
         )  # fmt: skip
 
     def with_part(

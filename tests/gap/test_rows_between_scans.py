@@ -7,8 +7,13 @@ from stickslip.cases.models import ideal_flow, site_flow
 from stickslip.diagram import ensemble, wire
 from stickslip.gap.diagnosis import diagnose, prepared
 from stickslip.gap.effects import effect
+from stickslip.gap.likelihood.checks import checks
+from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
+
+from tests.gap.aerated_tank import aerated, aerated_model
 
 NOISE = 0.004
 ONES = [effect(name) for name in ("scan_time", "controller_gain", "controller_filter", "sensor_lag", "dead_time")]
@@ -70,3 +75,10 @@ def test_a_scan_that_is_slower_than_the_model_says_is_still_named():
     report = diagnose(scanned_flow(1.5), record(plant, 2.0, 51), catalogue=ONES, limits=False)
     (cause,) = report.causes
     assert cause.effect == "scan_time" and cause.parameters["period"].value == pytest.approx(4.0, rel=1e-3)
+
+
+def test_when_a_controller_scans_is_asked_again_once_its_set_point_switches_where_it_did():
+    # rows are no multiple of the scan, and set points switch between rows: wrong instants hide when scans are
+    log = aerated(1)
+    f = when_switched(frame_of(*read(aerated_model(), log)))
+    assert max(map(abs, checks(Hypothesis(f).filtered({})).values())) < 5.0
