@@ -11,12 +11,16 @@ Positional, ideal form; z is updated after the output, that is, the integral is 
 With ``integral="present"`` it takes in the present error before the output is made (backward rectangle rule):
 v_k = K_p e_k + z_k + dt K_p e_k / T_i, the rest as above; makers of control systems do either.
 With ``T_t=dt`` back-calculation takes back at once all that lies beyond a limit, as many control systems do, which
-limit v and make z from it.  It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in
-pi, and ``dt`` scan time [s], ``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead
-time.
+limit v and make z from it.  Both together are the velocity form:
+OP_k = OP_(k-1) + K_p (e_k - e_(k-1)) + dt K_p e_k / T_i, limited.
+A derivative of PV is two blocks in front, the series form of a PID: ``SampledFilter("PV_f", "PV", T_f, dt)`` and
+``Sum("PV_d", {"PV": 1 + T_d / T_f, "PV_f": -T_d / T_f})``, which the controller reads in place of PV.
+
+It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in pi, and ``dt`` scan time [s],
+``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead time.
 
 Source: Astrom and Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, section 8.5 (operational aspects of PID).
-Valid for any dt > 0; stability of the loop is the user's affair.  See also: pi.
+Valid for any dt > 0; stability of the loop is the user's affair.  See also: pi, pid (continuous).
 """
 
 import math

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.periodic import Sine
 from stickslip.blocks.pi import PI
 from stickslip.blocks.ports import BlockError
 from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sampled_filter import SampledFilter
 from stickslip.blocks.sampled_pi import SampledPI
 from stickslip.diagram import drive, simulate, wire
 
@@ -181,3 +183,38 @@ def test_the_integral_may_take_in_the_present_error_first():
         SampledPI(0.4, 10.0, dt=1.0, integral="next")
     with pytest.raises(BlockError, match=r"present = 0\.5, but it is 0"):
         SampledPI(0.4, 10.0, dt=1.0).with_params(present=0.5)
+
+
+def test_present_integral_with_back_calculation_at_once_is_the_velocity_form() -> None:
+    errors = np.array([0.3, 0.9, 0.9, 0.9, -0.2, -0.8, -0.9, 0.1])
+    K_p, T_i, dt, OP, before, expected = 0.7, 4.0, 1.0, 0.0, 0.0, []
+    for e in errors:  # analytic: the formula of the page
+        OP = min(max(OP + K_p * (e - before) + dt * K_p * e / T_i, 0.0), 1.0)
+        expected.append(OP)
+        before = e
+    controller = SampledPI(K_p, T_i, dt=dt, integral="present", T_t=dt)
+    times = np.arange(len(errors), dtype=float)
+    run = drive_at(controller, times, SP=(times, errors), PV=0.0)
+    assert np.allclose(run.log["OP"], expected, atol=1e-12)
+    assert {0.0, 1.0} < set(expected)  # both limits were met
+
+
+def test_a_filter_and_a_sum_in_front_make_the_series_form_of_a_pid() -> None:
+    K_p, T_i, T_d, T_f, dt = 0.4, 10.0, 3.0, 1.5, 0.5
+    loop = wire(
+        [
+            SampledFilter("PV_f", "PV", T_f, dt),
+            Sum("PV_d", {"PV": 1 + T_d / T_f, "PV_f": -T_d / T_f}),
+            SampledPI(K_p, T_i, dt=dt, action="direct", **WIDE, inputs=["SP", "PV_d"], outputs="OP"),
+        ],
+        inputs=["SP", "PV"],
+    )
+    times = dt * np.arange(40)
+    run = simulate(loop, times[-1], times=times, inputs={"SP": 0.0, "PV": (times, np.sin(0.3 * times))})
+    f, z, expected = 0.0, 0.0, []
+    for PV in np.sin(0.3 * times):  # analytic: rate before reset
+        f += (1 - math.exp(-dt / T_f)) * (PV - f)
+        e = PV + T_d * (PV - f) / T_f
+        expected.append(K_p * e + z)
+        z += dt * K_p * e / T_i
+    assert np.allclose(run.log["OP"], expected, atol=1e-9)

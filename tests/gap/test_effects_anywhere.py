@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import FirstOrder, Noise, Sum
 from stickslip.cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
 from stickslip.diagram import simulate, wire
 from stickslip.gap.effects import CATALOGUE, effect
@@ -68,3 +69,14 @@ def test_effects_go_into_nested_diagrams_and_pairs_too():
     one, other = run(pair), run(swapped)
     np.testing.assert_allclose(one["PV"], other["PV"], atol=1e-9)  # the stem before, the gain behind it, either way
     assert (one["MV"] == other["MV"]).all() and np.abs(one["PV"] - run(loop)["PV"]).max() > 0.01
+
+
+def test_a_disturbance_is_sought_at_a_stated_load_in_the_unit_of_its_block():
+    parts = [Sum("push", {"MV": 1.0, "load": 0.5}), FirstOrder(1.0, 5.0, inputs="push")]
+    loaded = wire([*parts, Noise("load", sd=0.0, dt=1.0, name="wind")], inputs=["MV"])
+    step = effect("step_disturbance")
+    assert step.places(loaded) == ("wind",) and step.places(wire(parts, inputs=["MV", "load"])) == ()
+    changed = step.insert(loaded, "wind", amplitude=4.0, time=10.0)
+    log = simulate(changed, 100.0, every=1.0, inputs={"MV": 0.0}).log
+    assert abs(log["load"][-1] - 4.0) < 1e-9  # analytic: 4 units of the load, half of which enters the process
+    assert abs(log["PV"][-1] - 2.0) < 1e-6
