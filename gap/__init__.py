@@ -12,8 +12,9 @@ records        what a model and a log bring              fits          sizes of 
 insertion      how an effect gets into a diagram         explanations  one effect, two or none, compared
 floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
 linearised     residuals of diagrams too large to replay between rows
-filters        diagnosis by a Kalman filter, where loads are not measured and the loop is linear between scans
-likelihood     one likelihood for loops that have no such filter; a bank follows stems that stick
+exact          the Kalman filter of loops that are linear between scans, a fast case of the likelihood
+likelihood     one likelihood for loops with a load that nobody measures; a bank follows stems that stick
+hints          which mistake of the model or the log would explain what no effect does
 calibrating    how often names are right, on runs with known effects
 """
 

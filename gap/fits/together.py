@@ -25,10 +25,11 @@ class Together(Effect):
         return diagram
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the parameters of both."""
+        """Return the parameters of both; the second has those that suit a diagram with the first, which may scan."""
         found: dict[str, Any] = {}
         for mark, one, at in self.parts:
             found |= one.settings(diagram, at, **_of(values, mark))
+            diagram = one.put(diagram, at)
         return found
 
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:

@@ -30,6 +30,7 @@ RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
 GUESSES = 4  # at what the log does not tell of inputs, among these runs
 JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
 ALARM = 0.005  # share of right hypotheses that are called wrong
+FARTHEST = 700.0  # of a deviate: the exponential of more overflows
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
 MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
@@ -72,8 +73,16 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
     b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
     a = float(middle) - _gumbel(QUARTILES[1]) * b
-    p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
-    return Verdict(size, name, p, a + b * _gumbel(1.0 - ALARM))
+    return Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+
+
+def chance(deviate: float) -> float:
+    """Return the chance that the largest of many standard figures exceeds a number.
+
+    >>> round(chance(0.0), 3), chance(-1e5)
+    (0.632, 1.0)
+    """
+    return -math.expm1(-math.exp(-min(max(deviate, -FARTHEST), FARTHEST)))
 
 
 def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:

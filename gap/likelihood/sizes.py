@@ -31,7 +31,7 @@ CALM = 4.0  # standard deviations from which on innovations propose no load
 
 def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     """Return the sizes of an effect to look at first."""
-    effect, _f = one.effect, one.frame
+    effect = one.effect
     assert effect is not None
     if is_load(effect):
         return _loads(null, one)

@@ -1,7 +1,7 @@
 """What an explanation may leave of a gap, however large the gap is."""
 
 import pytest
-from stickslip.gap.likelihood.judge import Verdict, enough
+from stickslip.gap.likelihood.judge import Verdict, chance, enough
 
 
 @pytest.mark.parametrize(
@@ -11,3 +11,9 @@ from stickslip.gap.likelihood.judge import Verdict, enough
 def test_little_of_a_large_gap_may_be_left_but_no_more_than_25_standard_deviations(left, alone, is_enough):
     verdict, model = (Verdict(size, "size of OP", 0.5, 5.0) for size in (left, alone))
     assert enough(None, verdict, model) is is_enough
+
+
+def test_a_record_that_leaves_far_less_than_runs_is_sure_to_be_exceeded():
+    """Where runs leave the track in every run the exponential of the deviate had no number: an OverflowError."""
+    assert chance(-1e5) == 1.0
+    assert chance(1e5) < 1e-300

@@ -62,6 +62,16 @@ def test_two_effects_that_set_the_same_parameter_are_no_candidate(log):
     assert together(gain, other) is None
 
 
+def test_the_second_effect_is_set_as_the_first_has_left_the_controller(log):
+    """A set-point weight of a controller that scans has other parameters; the search ended in a BlockError."""
+    problem = prepared(ideal_flow(), log)
+    scan, weight = (candidates(problem, problem.quiet, [effect(name)])[0] for name in ("scan_time", "setpoint_weight"))
+    both = together(scan, weight)
+    assert both is not None
+    (fit,) = both.tried([{"1.period": 2.0, "1.offset": 0.0, "1.present": 1.0, "2.b": 0.5}])
+    assert np.isfinite(fit.F)
+
+
 def test_an_effect_that_is_not_there_is_no_replay(log):
     problem = prepared(ideal_flow(), log)
     (slow,) = candidates(problem, problem.quiet, [effect("valve_rate_limit")])
