@@ -75,7 +75,14 @@ def diagnose(
     """
     log = getattr(log, "log", log)
     if not isinstance(log, Log):
-        raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. stickslip.logs.read_log('run.csv')")
+        raise GapError(
+            f"the log is {type(log).__name__}; give a Log: stickslip.logs.read_log('run.csv'), or "
+            "stickslip.logs.Log(t, {'PV': ..., 'OP': ...})"
+        )
+    if not isinstance(diagram, Diagram):
+        raise GapError(
+            f"the model is {type(diagram).__name__}; give a diagram, e.g. stickslip.diagram.wire([controller, ...])"
+        )
     opened, record = read(diagram, log)
     found = _diagnosed(opened, record, catalogue, seed, limits, progress)
     unknown = any(cause.effect == UNKNOWN for cause in found.causes)

@@ -193,7 +193,9 @@ def _report(
 def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
     f = o.null.hypothesis.frame
     log, steps = f.record.log, np.sqrt(12.0 * f.r)
-    rounded = [f"{s} rounded to {step:.3g}" for s, step in zip(f.signals, steps, strict=True)]
+    moves = np.nanmax(f.Y, axis=0) > np.nanmin(f.Y, axis=0)
+    rounded = [f"{s} rounded to {step:.3g}" if moving else f"{s} constant"
+               for s, step, moving in zip(f.signals, steps, moves, strict=True)]  # fmt: skip
     free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.given.unsure.items()]
     exactly = o.null.best.gains is None
     return (

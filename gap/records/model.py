@@ -206,7 +206,8 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     Missing values of open inputs are taken as held, missing rows as rows of nothing
     (``stickslip.gap.records.regular``).  The noise of a sensor, if a simulation logged it, is not used.
 
-    Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
+    Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, a column differs from a
+    signal by small and capital letters only, or rows are too few.
     """
     if len(log) < FEWEST:
         raise GapError(f"the log has {len(log)} rows, which is too few to find a gap; give at least {FEWEST}")
@@ -216,6 +217,11 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
             "mend its times, or cut it at the gaps"
         )
     opened, log = in_percent(compiled(with_logged_sources(diagram, log)), log)
+    known = {str(s).casefold(): str(s) for s in (*opened.signals, *opened.open_inputs) if s not in log}
+    for name in log.names:
+        meant = known.get(name.casefold())
+        if meant is not None and name not in opened.signals and name not in opened.open_inputs:
+            raise GapError(f"the log has a column {name!r}, the model a signal {meant!r}; rename the column to that")
     missing = [s for s in opened.open_inputs if s not in log]
     if missing:
         raise GapError(

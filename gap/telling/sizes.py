@@ -12,6 +12,7 @@ from stickslip.gap.records.given import SURE
 Floats = NDArray[np.float64]
 LOST = (NU + 3.0) / (NU + 1.0)  # variance by Student's loss over that of the innovations' own law
 SEEN = 0.625  # share of the rows on which effects are fitted again to be judged on the rest
+RANGE, NOTHING = (-9.0, 1.0), 1e-6  # of a fraction; loss above the floor that is none
 BLOCKS = 12  # stretches of the rest whose scatter gives the interval
 
 
@@ -60,6 +61,8 @@ def _by_stretches(before: Floats, after: Floats, floor: float) -> Shrinkage:
     parts = np.array_split(np.arange(len(before)), BLOCKS)
     b, a = (np.array([loss[part].mean() for part in parts]) for loss in (before, after))
     fraction = _fraction(b.mean(), a.mean(), floor)
+    if b.mean() - floor <= NOTHING:  # there is no gap that could shrink
+        return Shrinkage(float(b.mean()), float(a.mean()), floor, 0.0, *RANGE)
     rng = np.random.default_rng(0)
     drawn = [_fraction(b[k].mean(), a[k].mean(), floor) for k in rng.integers(0, len(b), (400, len(b)))]
     low, high = np.quantile(drawn, (0.05, 0.95))
@@ -68,7 +71,7 @@ def _by_stretches(before: Floats, after: Floats, floor: float) -> Shrinkage:
 
 def _fraction(before: float, after: float, floor: float) -> float:
     removable = before - floor
-    return float(np.clip((before - after) / removable, -9.0, 1.0)) if removable > 1e-6 else 0.0
+    return float(np.clip((before - after) / removable, *RANGE)) if removable > NOTHING else 0.0
 
 
 def shares(fits: Sequence[Fit], F0: float, floor: float) -> dict[str, float]:

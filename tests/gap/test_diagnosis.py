@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from stickslip.blocks import IdealValve
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import GapError, diagnose
 from stickslip.gap.effects import effect
@@ -88,12 +89,19 @@ def test_the_same_seed_gives_the_same_report(recorded):
         (Log(np.arange(5.0), {"PV": np.zeros(5)}), "too few"),
         (Log(np.arange(50.0), {"PV": np.zeros(50)}), "input 'SP' is not in the log"),
         (Log(np.arange(50.0), {"SP": np.zeros(50)}), "none of the signals that the model drives"),
+        (Log(np.arange(50.0), {"SP": np.zeros(50), "PV": np.zeros(50), "op": np.zeros(50)}), "column 'op'.* 'OP'"),
         ([1.0, 2.0], "give a Log"),
+        ({"SP": np.zeros(50), "PV": np.zeros(50)}, "Log\\(t, "),
     ],
 )
 def test_what_does_not_fit_together_is_refused(log, words):
     with pytest.raises(GapError, match=words):
         diagnose(ideal_flow(), log)
+
+
+def test_a_block_alone_is_no_model():
+    with pytest.raises(GapError, match="the model is IdealValve; give a diagram"):
+        diagnose(IdealValve(), Log(np.arange(50.0), {"OP": np.zeros(50)}))
 
 
 def test_the_pictures_show_the_place(recorded):

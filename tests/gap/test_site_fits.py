@@ -13,6 +13,7 @@ from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.records.model import read
+from stickslip.gap.telling.sizes import shrinkage_of_losses
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
@@ -154,3 +155,11 @@ def test_a_gain_is_as_unsure_as_the_tolerance_of_another_gain_beside_it(name, mo
     size = report.causes[0].parameters["factor"]
     assert size.low < 0.8 < size.high
     assert 0.04 < size.high - size.low < 0.12
+
+
+def test_where_no_gap_is_left_to_shrink_the_report_says_so():
+    # the model alone, fitted again, leaves as little as innovations of unit size
+    e = np.ones((120, 2))
+    none = shrinkage_of_losses(np.full(120, 1.0), np.full(120, 1.0), e, 60)
+    assert none.fraction == 0.0
+    assert "too little of the gap to tell" in str(none)
