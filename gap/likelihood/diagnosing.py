@@ -245,7 +245,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     if price(fits[0]) < null.nll and enough(fits[0], best, alone):
         best = beside_random(fits[0], best)
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
-    good = good and not likelier(fits[0], null, STEM_TIE if mine.hides else 0.0)
+    good = good and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)

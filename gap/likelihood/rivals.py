@@ -30,7 +30,7 @@ from stickslip.gap.likelihood.settling import free_names
 
 BANDS = (1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records
 SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
-ROUNDS = 3  # of a fit
+NEARBY, ROUNDS = (0.6, 1.6), 3  # sizes near the likeliest of these; rounds of a fit
 MOST, LEAST = 10.0, 1e-4  # times the first size of a plan, and share of that
 SMALLEST = 1e-9  # usual value of a signal
 
@@ -97,7 +97,7 @@ class SamePlan(Effect):
 def likelier(fit: Fit, null: Fit, unsure: float = 0.0) -> str:
     """Return the name of a rival that suits the record better than a fitted effect, by its price; "" if none does.
 
-    ``unsure``: how much the likelihood of the effect may be off [nats].
+    ``unsure``: by how much a rival may lag behind and still not be told from the effect [nats].
     """
     own = price(fit) - unsure
     for rival in (*_same_plans(fit), *_random_alone(fit, null)):
@@ -149,7 +149,13 @@ def _with_random(start: Innovations) -> Innovations | None:
                     break
                 near = new
             best = near if near.nll < best.nll else best
-    return None if best is start else best
+    if best is start:
+        return None
+    for key in ("sd", "correlation_time"):
+        for by in NEARBY:
+            new = tried(best.hypothesis, {**best.values, key: by * best.values[key]})
+            best = new if new is not None and new.nll < best.nll else best
+    return best
 
 
 def _same_plans(fit: Fit) -> Iterator[Fit]:
