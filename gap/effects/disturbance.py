@@ -4,11 +4,10 @@ A feed is a block of the role disturbance whose signal enters a process, directl
 diagram that says of none that it is one, any source that does.
 """
 
-from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
-from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.added import with_added
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import reaches_process
 
@@ -34,7 +33,4 @@ class Disturbance(Effect):
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with the wave added to the signal of the feed."""
-        added = [self.wave(), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-        return diagram.insert(
-            str(diagram[place].output_labels[0]), wire(added, ["in"], ["out"], name=self.block(place))
-        )
+        return with_added(diagram, str(diagram[place].output_labels[0]), self.wave(), self.block(place))

@@ -59,7 +59,8 @@ class Exact:
     def straight(self) -> None:
         """Nothing; raises ``NotAffine`` where a block bends within what the log visits."""
         for block in self.diagram.blocks:
-            self._ask(block)
+            if block not in self.waves:
+                self._ask(block)
 
     @cached_property
     def waves(self) -> tuple[Block, ...]:
@@ -74,8 +75,6 @@ class Exact:
         if block.role is Role.CONTROLLER and block.limit_params:
             if block.limits != self.diagram[block.name].limits:
                 raise NotAffine(f"'{block.name}' may be at a limit that no controller of the model has")
-        elif block.name in {b.name for b in self.waves}:
-            return
         elif isinstance(block, Recorded):
             raise NotAffine(f"'{block.name}' plays what was recorded, which is no line in time")
         elif block.role not in ONLOOKERS:

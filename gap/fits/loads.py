@@ -11,14 +11,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.recorded import Recorded
-from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.fits.adequacy import needed
 from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
 from stickslip.gap.floors.floor import NU
 from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.added import with_added
 from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -115,8 +114,7 @@ def response(
     size = PULSE * (high - low)
     push = np.zeros(len(t))
     push[at] = size
-    wave = [Recorded("wave", t, push, hold=hold), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-    kicked = base.insert(signal, wire(wave, ["in"], ["out"], name=f"{place}:pulse"))
+    kicked = with_added(base, signal, Recorded("wave", t, push, hold=hold), f"{place}:pulse")
     first = at - (1 if hold == "linear" else 0)  # what is joined by lines rises from the row before
     absent = Candidate(problem, base).absent
     h = np.nan_to_num((problem.innovations(kicked)[0] - absent.e) / size)[first - problem.floor.skipped :]

@@ -242,10 +242,10 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
-    if price(fits[0]) < null.nll and enough(fits[0], best, alone):
-        best = beside_random(fits[0], best)
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
-    good = good and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
+    if good:
+        best = beside_random(fits[0], best)
+        good = enough(fits[0], best, alone) and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)

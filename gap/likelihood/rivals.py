@@ -19,6 +19,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.disturbance import Disturbance
 from stickslip.gap.effects.sine_disturbance import SineDisturbance
 from stickslip.gap.fits.loads import is_load
+from stickslip.gap.insertion.added import with_added
 from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.insertion.paths import given, users
 from stickslip.gap.likelihood.beside import with_effect
@@ -44,8 +45,8 @@ class RandomSignal(Effect):
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with the signal added to what the block gives."""
         dt = float(diagram[place].period)
-        added = [Noise("wave", 1.0, dt, correlation_time=1.0), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-        return diagram.insert(given(diagram, place), wire(added, ["in"], ["out"], name=self.block(place)))
+        wave = Noise("wave", 1.0, dt, correlation_time=1.0)
+        return with_added(diagram, given(diagram, place), wave, self.block(place))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return its size and its correlation time."""
@@ -77,8 +78,7 @@ class SamePlan(Effect):
         """Return the diagram with the same plan elsewhere."""
         signal = given(diagram, place)
         if not self.gain:
-            added = [self.load.wave(), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-            return diagram.insert(signal, wire(added, ["in"], ["out"], name=self.block(place)))
+            return with_added(diagram, signal, self.load.wave(), self.block(place))
         changed = [self.load.wave(), Product("part", ["in", "wave"]), Sum("out", {"in": 1.0, "part": 1.0}, name="sum")]
         inserted = wire(changed, ["in"], ["out"], name=self.block(place))
         return diagram.insert(signal, inserted, readers=users(diagram, signal))

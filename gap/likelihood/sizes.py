@@ -6,13 +6,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.recorded import Recorded
-from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.scan_time import ScanTime
 from stickslip.gap.fits.loads import is_load, planned
 from stickslip.gap.fits.scans import first_scans
+from stickslip.gap.insertion.added import with_added
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.statement import BEYOND
@@ -79,7 +78,7 @@ def _scans(one: Hypothesis) -> list[dict[str, float]]:
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:
     """Return limits where OP stands or stood: of a valve, or of a controller."""
-    f, (shown, values, zero, to_unit) = one.frame, one.visited
+    f, (shown, values, zero, to_unit) = one.frame, one.reached
     if not shown:
         return []
     own = [str(s) for s in f.model[one.place].output_labels]
@@ -118,8 +117,7 @@ def _response(null: Fit, one: Hypothesis) -> Floats | None:
     size = max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9)
     push = np.zeros(len(t))
     push[at] = size
-    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-    pushed = f.model.insert(signal, wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
+    pushed = with_added(f.model, signal, Recorded("wave", t, push, hold="previous"), f"{one.place}:pulse")
     moved = tried(_Kicked(f, kicked=pushed), null.best.values, null.best)
     if moved is None:
         return None

@@ -56,7 +56,7 @@ class Statement:
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Parameter -> (low, high): those of the effect, then what is free in every fit."""
         own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
-        shown, values, zero, to_unit = self.visited if self.bends else ("", np.zeros(0), 0.0, 1.0)
+        shown, values, zero, to_unit = self.reached if self.bends else ("", np.zeros(0), 0.0, 1.0)
         if shown:  # a limit is where the log goes, whatever spans are stated
             reach = BEYOND * float(np.ptp(values))
             lowest, highest = (float((end - zero) * to_unit) for end in (values[0] - reach, values[-1] + reach))
@@ -64,7 +64,7 @@ class Statement:
         return own | self.frame.free
 
     @cached_property
-    def visited(self) -> tuple[str, Floats, float, float]:
+    def reached(self) -> tuple[str, Floats, float, float]:
         """The logged signal that shows a limit, its values in order, and what turns them into sizes of the effect: a
         zero to take away, and a factor.
         """

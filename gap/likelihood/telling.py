@@ -136,13 +136,10 @@ def _sizes(fit: Fit) -> dict[str, Size]:
     effect, base = one.effect, one.frame.given.base
     assert effect is not None
     own = {name: values[name] for name in one.own}
-    for key in (
-        effect.settings(one.frame.model, one.place, **own).keys() & base.unsure.keys() if "factor" in own else ()
-    ):
-        low, high = base.unsure[key]
-        sd["factor"] = math.hypot(
-            sd.get("factor", 0.0), own["factor"] * (high - low) / abs(high + low) / math.sqrt(3.0)
-        )
+    shared = effect.settings(one.frame.model, one.place, **own).keys() & base.unsure.keys()
+    for low, high in (base.unsure[key] for key in shared if "factor" in own):  # anywhere in it is as likely
+        beside = own["factor"] * (high - low) / abs(high + low) / math.sqrt(3.0)
+        sd["factor"] = math.hypot(sd.get("factor", 0.0), beside)
     return sizes(effect.parameters, values, sd, one.bounds)
 
 

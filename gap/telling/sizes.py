@@ -60,9 +60,9 @@ def _by_stretches(before: Floats, after: Floats, floor: float) -> Shrinkage:
     """Return the shrinkage, with the interval that the scatter over stretches gives."""
     parts = np.array_split(np.arange(len(before)), BLOCKS)
     b, a = (np.array([loss[part].mean() for part in parts]) for loss in (before, after))
-    fraction = _fraction(b.mean(), a.mean(), floor)
     if b.mean() - floor <= NOTHING:  # there is no gap that could shrink
         return Shrinkage(float(b.mean()), float(a.mean()), floor, 0.0, *RANGE)
+    fraction = _fraction(b.mean(), a.mean(), floor)
     rng = np.random.default_rng(0)
     drawn = [_fraction(b[k].mean(), a[k].mean(), floor) for k in rng.integers(0, len(b), (400, len(b)))]
     low, high = np.quantile(drawn, (0.05, 0.95))
