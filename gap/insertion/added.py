@@ -12,7 +12,7 @@ def with_added(diagram: Diagram, signal: str, wave: Block, name: str) -> Diagram
     >>> from stickslip.blocks import Constant, FirstOrder, Step
     >>> load = wire([Constant("load", 1.0), FirstOrder(1.0, 9.0, inputs="load")])
     >>> with_added(load, "load", Step("wave", 2.0), "load:step")["load:step/wave"].output_labels
-    ('load:step/wave',)
+    ['load:step/wave']
     """
     added = [wave, Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
     return diagram.insert(signal, wire(added, ["in"], ["out"], name=name))
