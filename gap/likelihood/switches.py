@@ -32,9 +32,11 @@ def with_switches(now: Innovations) -> Innovations:
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
     best = _placed(now, {s: {} for s in switching}, np.append(np.arange(0.0, most, step), most), most)
-    if best is not now and not frame.scanned:
-        fine = np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
-        best = _placed(best, best.hypothesis.frame.record.leads, fine, most)
+    # where all switches are far off, each drives the run from the log for the next: near ones are tried as well
+    fine = np.array([-step, step]) if frame.scanned else np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
+    if best is not now or frame.scanned:
+        known = best.hypothesis.frame.record.leads
+        best = _placed(best, {s: known.get(s, {}) for s in switching}, fine, most)
     return now if best is now else _likelier(now, best.hypothesis.frame)
 
 

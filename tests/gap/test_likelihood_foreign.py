@@ -220,3 +220,14 @@ def test_set_points_that_switch_long_before_a_row_leave_innovations_of_unit_size
     scan = found.scanned
     assert max(max(known.values()) for known in leads.values()) >= 14.0 * scan
     assert np.sqrt(np.nanmean(best.judged**2, axis=0)) == pytest.approx(1.0, abs=0.06)
+
+
+def test_set_points_find_their_scan_though_all_of_them_at_a_wrong_one_drive_the_model_away():
+    # gains of a model that is off let its run grow without end once every switch is a scan off (analytic: unit size)
+    run = next(one for one in trial.runs() if "gas_pressure/effect/valve_gain" in one.key)
+    diagram, log, values = modelled(run)
+    found = frame_of(*read(diagram, log))
+    assert found is not None
+    one = Hypothesis(when_switched(found), effect("valve_gain"), "valve")
+    left = with_switches(one.filtered({"factor": values["valve.gain"]}))
+    assert np.nanmax(np.abs(left.e[left.hypothesis.frame.skipped :])) < 6.0
