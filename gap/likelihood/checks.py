@@ -14,6 +14,7 @@ ACROSS = (-4, -3, -2, -1, 0, 1, 2, 3, 4)
 BLOCKS = 16  # stretches of a record whose variances are compared
 BEHIND = 24  # rows behind a switch of an input
 SLOWEST = 40  # of the record's frequencies that are looked at one by one
+SYMMETRIC = 0.05  # skewness of a sum below which it is normal
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
 
 
@@ -52,12 +53,12 @@ def checks(one: Left) -> dict[str, float]:
             found[f"size of {s} after {lag} rows"] = _product(q[lag:], q[:-lag])
         for name, values in against.items():
             found[f"{s} with {name}"] = _product(x, values)
-            found[f"size of {s} with {name}"] = _product(q, values)
+            found[f"size of {s} with {name}"] = normal_of_sizes(_product(q, values), values[known[:, j]])
         parts = np.array_split(np.flatnonzero(known[:, j]), BLOCKS)
         spread = np.array([np.sum(size[part, j]) / np.sqrt(2.0 * len(part)) for part in parts])
-        found[f"variance of {s} by stretches"] = (float(np.sum((spread - spread.mean()) ** 2)) - BLOCKS + 1) / np.sqrt(
-            2.0 * BLOCKS
-        )
+        free = BLOCKS - 1
+        uneven = (float(np.sum((spread - spread.mean()) ** 2)) - free) / np.sqrt(2.0 * free)
+        found[f"variance of {s} by stretches"] = uneven if uneven <= 0.0 else _normal_of_gamma(uneven, 0.5 * free)
         power = np.abs(np.fft.rfft(x))[1:SLOWEST] ** 2 / n  # each exponential with mean 1
         found[f"slow waves of {s}"] = _normal_of_exponential(float(power.max()), len(power))
     if len(f.signals) > 1:
@@ -101,6 +102,30 @@ def known_of(one: Left) -> dict[str, Floats]:
         found[f"fresh switches of {s}"] = fresh[first:]
         found[f"{s} itself"] = log[s][first:]
     return {name: values - values.mean() for name, values in found.items()}
+
+
+def normal_of_sizes(figure: float, weights: Floats) -> float:
+    """Return the normal deviate that is as rare as a standardised sum of squared normal numbers with such weights.
+
+    skew = 2^1.5 sum w^3 / (sum w^2)^1.5,   sum ~ a gamma law of shape 4 / skew^2         (Pearson's type III)
+
+    A few rows with all of the weight have such a law: one large number among them is no rare event.
+
+    >>> few = np.where(np.arange(1000) < 6, 1.0, 0.0)
+    >>> round(normal_of_sizes(5.0, few - few.mean()), 2), round(normal_of_sizes(5.0, np.sin(np.arange(1000.0))), 2)
+    (3.2, 5.0)
+    """
+    square = float(np.sum(weights**2))
+    skew = 2.0**1.5 * float(np.sum(weights**3)) / square**1.5 if square > 0.0 else 0.0
+    return figure if abs(skew) < SYMMETRIC or skew * figure <= 0.0 else _normal_of_gamma(figure, 4.0 / skew**2)
+
+
+def _normal_of_gamma(figure: float, shape: float) -> float:
+    """Return the normal deviate that is as rare as a standardised number of a gamma law, on its long side."""
+    from scipy.special import gammaincc, ndtri
+
+    beyond = float(gammaincc(shape, shape + abs(figure) * np.sqrt(shape)))
+    return float(np.copysign(max(-ndtri(max(beyond, 1e-300)), 0.0), figure))
 
 
 def _product(a: Floats, b: Floats) -> float:
