@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.of_controller import OfController
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
@@ -65,7 +66,16 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
         Hypothesis(frame, resting(effect) if frame.scanned else effect, place)
         for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in frame.given.places(effect)
+        if not _at_rest(frame, effect, place)
     ]  # fmt: skip
+
+
+def _at_rest(frame: Frame, effect: Effect, place: str) -> bool:
+    """Return whether an effect is in the path of an input that never moves."""
+    if not isinstance(effect, OfController):
+        return False
+    signal = effect.enters(frame.model, frame.model[place])
+    return signal in frame.record.played and float(np.ptp(frame.record.log[signal])) == 0.0
 
 
 def fitted(
