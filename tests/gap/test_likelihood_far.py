@@ -64,6 +64,15 @@ def test_a_log_that_rounds_is_no_coarse_sensor() -> None:
     assert not diagnose(tank(), Log(log.t, {**{s: log[s] for s in log.names}, **rounded}), limits=False).gap
 
 
+def test_another_gain_of_the_controller_is_no_coarse_sensor_where_the_log_rounds() -> None:
+    # noise of any size gained a thousand nats, which the digit of the log was given as a step of the sensor
+    log = logged(effect("controller_gain").insert(tank(), "controller", factor=1.8), 8)
+    rounded = Log(log.t, {**{s: log[s] for s in log.names}, "PV": np.round(log["PV"] / 0.003) * 0.003})
+    known = [effect(name) for name in ("quantisation", "controller_gain", "sensor_noise")]
+    causes = diagnose(tank(sd=0.003), rounded, catalogue=known, limits=False).causes  # the load is 0.01
+    assert "quantisation" not in [cause.effect for cause in causes]
+
+
 def test_a_historian_that_compresses_is_named_by_its_lines() -> None:
     log = logged(tank(), 9)
     drawn = swinging_door(log, 0.012, ["PV"])["PV"]
