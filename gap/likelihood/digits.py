@@ -10,13 +10,13 @@ from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
+from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.records.record import rounding
 
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
-SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
 
 
 def by_digits(null: Fit, alone: Verdict, catalogue: Sequence[Effect], seed: int) -> Fit | None:
