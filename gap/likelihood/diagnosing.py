@@ -220,7 +220,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     rough = model_alone(replace(frame, apart=True))
     null = settled(rough)
     alone = judged(null, [], seed)
-    shown = by_digits(null, catalogue, seed)
+    shown = by_digits(null, alone, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
     far = null.best.gross or at_bound(null)  # noise that wants to be larger than it can be hides how far it is

@@ -10,20 +10,24 @@ from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
+from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.judge import Verdict, enough, judged
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.records.record import rounding
 
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
-SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
 
 
-def by_digits(null: Fit, catalogue: Sequence[Effect], seed: int) -> Fit | None:
-    """Return the effect that the digits of the log show; None if they show none."""
+def by_digits(null: Fit, alone: Verdict, catalogue: Sequence[Effect], seed: int) -> Fit | None:
+    """Return the effect that the digits of the log show; None if they show none.
+
+    ``alone`` is how unusual what the model alone leaves is.
+    """
     for effect in catalogue:
         if isinstance(effect, Quantisation):
             for place in effect.places(null.hypothesis.frame.model):
-                found = _coarse(null, effect, place)
+                found = _coarse(null, alone, effect, place, seed)
                 if found is not None:
                     return found
         if isinstance(effect, Compression):
@@ -39,8 +43,11 @@ def shows_steps(null: Fit) -> bool:
     return any(coarse(f, place) for place in Quantisation().places(f.model))
 
 
-def _coarse(null: Fit, effect: Effect, place: str) -> Fit | None:
-    """Return a sensor of few levels; if the log is no finer than these, the controller has to have seen them."""
+def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) -> Fit | None:
+    """Return a sensor of few levels; if the log is no finer than these, the controller has to have seen them.
+
+    Then it has to be enough as well, for noise of any size gains much where something else is wrong.
+    """
     f = null.best.hypothesis.frame
     step = coarse(f, place)
     if step:
@@ -55,7 +62,9 @@ def _coarse(null: Fit, effect: Effect, place: str) -> Fit | None:
     if start is None:
         return None
     fit = refined(start, free_names(start.hypothesis))
-    return _as(fit, Hypothesis(f, effect, place), {"step": step}) if fit.nll <= null.nll - MORE_LIKELY else None
+    if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed), alone):
+        return None
+    return _as(fit, Hypothesis(f, effect, place), {"step": step})
 
 
 def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:

@@ -23,6 +23,9 @@ NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 FAST = 2.0  # stops in the correlation time of a load that changes between two rows
 SAME = 1e-6  # of an interval: stops nearer to each other are one
+SAME_STEP = 0.01  # share by which the step that a sensor states may differ from that of the log
+BELOW_NOISE = 0.5  # of the noise that a sensor states: so small a step is nothing beside it
+SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
 FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
 
 
@@ -77,11 +80,19 @@ class Frame(Held):
 
     @cached_property
     def r(self) -> Floats:
-        """Variance of the log's rounding of each signal."""
+        """Variance of the log's rounding of each signal.
+
+        Where the model's sensor gives multiples of that step, the log has what the controller saw, as it was.  A step
+        near its noise stays rounding, for the runs that predict it round as well.
+        """
         found = []
-        for j in range(len(self.signals)):
+        for j, s in enumerate(self.signals):
             known = self.Y[:, j][np.isfinite(self.Y[:, j])]
-            step = self.record.computed.get(self.signals[j], 0.0) or rounding(known)
+            step = self.record.computed.get(s, 0.0) or rounding(known)
+            sensor = self.model.blocks[self.model.driven[s][0]].params
+            stated = sensor.get("step", 0.0)
+            if 0.0 < stated < BELOW_NOISE * sensor.get("sd", 0.0) and math.isclose(step, stated, rel_tol=SAME_STEP):
+                step = SEEN_FINER * stated
             found.append(max(step**2 / 12.0, (FINEST * float(np.std(known))) ** 2, 1e-300))
         return np.array(found)
 

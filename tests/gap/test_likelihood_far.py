@@ -8,6 +8,7 @@ from stickslip.gap import diagnose
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import by_race
+from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import refined
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import model_alone
@@ -62,6 +63,22 @@ def test_a_log_that_rounds_is_no_coarse_sensor() -> None:
     log = logged(tank(), 8)
     rounded = {"PV": np.round(log["PV"] / 0.01) * 0.01}
     assert not diagnose(tank(), Log(log.t, {**{s: log[s] for s in log.names}, **rounded}), limits=False).gap
+
+
+def test_another_gain_of_the_controller_is_no_coarse_sensor_where_the_log_rounds() -> None:
+    # noise of any size gained a thousand nats, which the digit of the log was given as a step of the sensor
+    log = logged(effect("controller_gain").insert(tank(), "controller", factor=1.8), 8)
+    rounded = Log(log.t, {**{s: log[s] for s in log.names}, "PV": np.round(log["PV"] / 0.003) * 0.003})
+    known = [effect(name) for name in ("quantisation", "controller_gain", "sensor_noise")]
+    causes = diagnose(tank(sd=0.003), rounded, catalogue=known, limits=False).causes  # the load is 0.01
+    assert "quantisation" not in [cause.effect for cause in causes]
+
+
+def test_a_controller_behind_a_sensor_whose_step_is_stated_has_seen_what_the_log_has() -> None:
+    # the step was taken for rounding of the log, and what the controller made of it left 8.7 standard deviations
+    stepped = tank().with_params({"sensor.step": 0.001})
+    left = checks(settled(model_alone(replace(framed(stepped, logged(stepped, 8)), apart=True))).best)
+    assert max(abs(size) for size in left.values()) < 6.0
 
 
 def test_a_historian_that_compresses_is_named_by_its_lines() -> None:
