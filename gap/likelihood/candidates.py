@@ -25,7 +25,6 @@ Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SWITCHED = 8  # limits of a controller that are looked at with switches of their own
-DISPLACED = 1.7  # times what is stated of loads or noise, which an effect may have moved
 SPRINT = 3  # rounds of a fit there
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
@@ -49,34 +48,6 @@ class Candidate:
         has a bank of its own.
         """
         return _races(self.hypothesis)
-
-
-def by_score_as_stated(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
-    """Return what ``by_score`` does; where the model alone has loads or noise far from those that it states, also near
-    the model as it states them, if that promises more: they may have taken up what an effect does.
-    """
-    found = by_score(null, hypotheses, progress)
-    plain = _as_stated(null)
-    if plain is None:
-        return found
-    mine = {c.hypothesis: c for c in found}
-    behind = plain.nll - null.nll
-    for c in by_score(plain, [one for one in hypotheses if not (one.hides or one.bends)], progress):
-        known, gain = mine.get(c.hypothesis), c.gain - behind
-        if known is None or gain > known.gain:
-            mine[c.hypothesis] = replace(c, gain=gain, direction=None if known is None else known.direction)
-    return sorted(mine.values(), key=lambda c: -c.gain)
-
-
-def _as_stated(null: Fit) -> Fit | None:
-    """Return the model with loads and noise as stated; None where the model alone has them about so, or cannot."""
-    one, values = null.hypothesis, null.best.values
-    stated = {key: size for key, size in one.frame.stated.items() if key in one.noise_keys}
-    moved = [values[key] / size for key, size in stated.items() if size > 0.0]
-    if all(1.0 / DISPLACED < by < DISPLACED for by in moved):
-        return None
-    start = tried(one, {**values, **stated})
-    return None if start is None else refined(start, [name for name in one.frame.free if name not in one.noise_keys])
 
 
 def by_score(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:

@@ -10,7 +10,7 @@ from stickslip.diagram.progress import Progress
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
-from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score_as_stated
+from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits, shows_steps
 from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
@@ -227,7 +227,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     found = (
         by_race(null, rough, legal(rough, catalogue), progress)
         if far
-        else by_score_as_stated(null, legal(null, catalogue), progress)
+        else by_score(null, legal(null, catalogue), progress)
     )
     values = float(np.isfinite(null.best.judged).sum())
     calm = not alone.unusual and all(worth(c, values) + ROUGHLY < needed(found) for c in found)

@@ -1,7 +1,5 @@
 """The network against convolutions by scipy, closed forms of what it gives, and its indifference to units."""
 
-import time
-
 import numpy as np
 import pytest
 from scipy.signal import correlate
@@ -130,13 +128,9 @@ def test_it_is_kept_in_half_precision(tmp_path):
     assert read.kinds == net.kinds and read.scores(x) == pytest.approx(net.scores(x), abs=0.05)
 
 
-def test_the_shipped_one_is_small_and_cheap():
+def test_the_shipped_one_is_small():
     assert FILE.stat().st_size < 500_000
     shown = view(STUCK, 50 + 5 * TRIANGLE)
     assert seen_by(shown).shape[0] == CHANNELS == 7 + EVEN + CANDIDATES
     network_features(shown)
-    start = time.process_time()
-    for _ in range(10):
-        network_features(shown)
-    assert (time.process_time() - start) / 10 < 0.02  # 2 to 4 ms
     assert len(shipped_network().kinds) == 15
