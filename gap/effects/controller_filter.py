@@ -27,15 +27,15 @@ class ControllerFilter(Effect):
     name = "controller_filter"
     role = Role.CONTROLLER
     parameters = (Parameter("tau", "s", 0.0, 0.02, 3.0, "log", "time"),)
-    parts: ClassVar[tuple[str, ...]] = ("SP", "PV")  # of what the controller reads, that are filtered
+    reads: ClassVar[tuple[str, ...]] = ("SP", "PV")
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether the controller reads what is filtered."""
-        return all(block.loop_signal(part) in block.input_labels for part in self.parts)
+        return all(block.loop_signal(part) in block.input_labels for part in self.reads)
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with a lag in each part of what the controller reads."""
-        for part in self.parts:
+        for part in self.reads:
             signal = str(diagram[place].loop_signal(part))
             diagram = diagram.insert(signal, self._lag(diagram[place], part), readers=place)
         return diagram
@@ -49,11 +49,11 @@ class ControllerFilter(Effect):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the time constant of each lag."""
-        return {f"{self.block(place)} {part}.tau": values["tau"] for part in self.parts}
+        return {f"{self.block(place)} {part}.tau": values["tau"] for part in self.reads}
 
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
         """Return the diagram with each lag settled at the first value of what it reads."""
-        lags = [diagram[f"{self.block(place)} {part}"] for part in self.parts]
+        lags = [diagram[f"{self.block(place)} {part}"] for part in self.reads]
         start = {
             f"{lag.name}.{'y' if lag.sampled else 'PV'}": first[str(lag.input_labels[0])]
             for lag in lags

@@ -85,7 +85,7 @@ class DerivativeAction(OfController):
         Parameter("T_d", "s", 0.0, 0.02, 1.0, "log", "time"),
         Parameter("N", "-", 10.0, 1.0, 100.0, "log", nuisance=True),
     )
-    reads = "PV"
+    reads = ("PV",)
     state = "f"
 
     def made(self, diagram: Diagram, place: str) -> Block:

@@ -12,4 +12,4 @@ class SetpointFilter(ControllerFilter):
     """
 
     name = "setpoint_filter"
-    parts = ("SP",)
+    reads = ("SP",)

@@ -74,7 +74,7 @@ class Effect:
 
     Class data: ``name``; ``role`` of the blocks it may be at; ``parameters``; ``hidden``, whether it has a mode that no
     log shows (a stem that sticks); ``of_log``, whether it acts on the log only; ``nests`` the effect that
-    it is where its further parameters are neutral.
+    it is where its further parameters are neutral; ``reads`` what a controller reads in whose paths it lies, SP or PV.
     """
 
     name: ClassVar[str] = ""
@@ -83,6 +83,7 @@ class Effect:
     hidden: ClassVar[bool] = False
     of_log: ClassVar[bool] = False
     nests: ClassVar[str] = ""
+    reads: ClassVar[tuple[str, ...]] = ()
 
     def __repr__(self) -> str:
         said = ", ".join(f"{p.name} [{p.unit}]" for p in self.parameters)

@@ -57,11 +57,11 @@ class OfController(Inserted):
 
     role = Role.CONTROLLER
     where = "before"
-    reads: ClassVar[str] = "SP"
+    reads = ("SP",)
 
     def enters(self, diagram: Diagram, block: Block) -> str | None:
         """Return the signal in whose path the effect lies, None if the controller does not read it."""
-        found = block.loop_signal(self.reads)
+        found = block.loop_signal(*self.reads)
         return str(found) if found in block.input_labels else None
 
     def scans(self, controller: Block) -> dict[str, float]:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.insertion.of_controller import OfController
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
@@ -71,11 +70,9 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
 
 
 def _at_rest(frame: Frame, effect: Effect, place: str) -> bool:
-    """Return whether an effect is in the path of an input that never moves."""
-    if not isinstance(effect, OfController):
-        return False
-    signal = effect.enters(frame.model, frame.model[place])
-    return signal in frame.record.played and float(np.ptp(frame.record.log[signal])) == 0.0
+    """Return whether all that an effect changes for a controller is inputs that never move."""
+    log, read = frame.record.log, [frame.model[place].loop_signal(signal) for signal in effect.reads]
+    return bool(read) and all(s in frame.record.played and float(np.ptp(log[s])) == 0.0 for s in read)
 
 
 def fitted(

@@ -16,6 +16,7 @@ from stickslip.gap.likelihood.hidden import hidden
 from stickslip.gap.likelihood.relevance import RELEVANT
 from stickslip.gap.likelihood.search import price
 from stickslip.gap.records.given import sizes
+from stickslip.gap.records.record import rounding
 from stickslip.gap.telling.causes import named_cause, said_of
 from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.segment import abnormal_segment
@@ -189,14 +190,13 @@ def _report(
 
 def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
     f = o.null.hypothesis.frame
-    log, steps = f.record.log, np.sqrt(12.0 * f.r)
-    moves = np.nanmax(f.Y, axis=0) > np.nanmin(f.Y, axis=0)
-    rounded = [f"{s} rounded to {step:.3g}" if moving else f"{s} constant"
-               for s, step, moving in zip(f.signals, steps, moves, strict=True)]  # fmt: skip
+    log, known = f.record.log, {s: f.record.known(s) for s in f.signals}
+    digits = [f"{s} rounded to {rounding(values):.3g}" if np.ptp(values) > 0.0 else f"{s} constant"
+              for s, values in known.items() if np.ptp(values) == 0.0 or rounding(values) > 0.0]  # fmt: skip
     free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.given.unsure.items()]
     exactly = o.null.best.gains is None
     return (
-        f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(rounded)}.",
+        f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(digits) or 'not rounded'}.",
         "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
         *stated_wrongly(f.model, after.best.values),
         *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),

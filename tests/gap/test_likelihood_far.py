@@ -9,15 +9,17 @@ from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import by_race
 from stickslip.gap.likelihood.checks import checks
-from stickslip.gap.likelihood.fit import refined
+from stickslip.gap.likelihood.fit import refined, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.search import legal, model_alone
 from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.sizes import sizes
 from stickslip.logs import Log
 from stickslip.logs.dirt import swinging_door
 
 from tests.gap.root_tank import framed, logged, tank
+
+SET_POINT = {"setpoint_filter", "setpoint_ramp", "setpoint_weight"}
 
 
 def effect(name: str) -> Effect:
@@ -77,8 +79,22 @@ def test_another_gain_of_the_controller_is_no_coarse_sensor_where_the_log_rounds
 def test_a_controller_behind_a_sensor_whose_step_is_stated_has_seen_what_the_log_has() -> None:
     # the step was taken for rounding of the log, and what the controller made of it left 8.7 standard deviations
     stepped = tank().with_params({"sensor.step": 0.001})
-    left = checks(settled(model_alone(replace(framed(stepped, logged(stepped, 8)), apart=True))).best)
+    log = logged(stepped, 8)
+    left = checks(settled(model_alone(replace(framed(stepped, log), apart=True))).best)
     assert max(abs(size) for size in left.values()) < 6.0
+    said = diagnose(stepped, log, catalogue=[effect("sensor_span")], limits=False).notes[0]
+    assert "PV rounded to 0.001" in said, said  # and not to what the controller knows of it
+
+
+def test_what_lies_in_the_path_of_a_set_point_is_looked_for_only_where_it_moves() -> None:
+    # a set point at rest shows nothing of it: by the start of a log a weight gained 319 nats, and moved no signal
+    log = logged(tank(), 8)
+    still = Log(log.t[:140], {s: log[s][:140] for s in log.names})  # its set point moves first at 771 s
+    for one, shown in ((log, SET_POINT), (still, set())):
+        null = unfitted(Hypothesis(framed(tank(), one)).filtered({}))
+        names = {h.effect.name for h in legal(null, CATALOGUE) if h.effect is not None}
+        assert names & SET_POINT == shown
+        assert {"controller_filter", "controller_gain", "derivative_action"} <= names
 
 
 def test_a_historian_that_compresses_is_named_by_its_lines() -> None:

@@ -132,5 +132,5 @@ def test_the_shipped_one_is_small():
     assert FILE.stat().st_size < 500_000
     shown = view(STUCK, 50 + 5 * TRIANGLE)
     assert seen_by(shown).shape[0] == CHANNELS == 7 + EVEN + CANDIDATES
-    network_features(shown)
+    assert all(np.isfinite(list(network_features(shown).values())))
     assert len(shipped_network().kinds) == 15
