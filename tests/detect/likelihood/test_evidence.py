@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 from stickslip.calibration.crossed.drawing import draw
 from stickslip.calibration.crossed.history import seen
+from stickslip.detect.likelihood.kernels import explained_by
 from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.regression import lines
 from stickslip.detect.likelihood.rows import rows_of
@@ -30,6 +31,15 @@ def test_the_likelihood_is_that_of_students_t():  # oracle: scipy's density
     assert found.total[0] >= best.sum() - 1e-6
     off = y - X @ (found.b[0] + [0.05, 0.0])
     assert found.total[0] > stats.t.logpdf(off, 4.0, scale=fitted[2]).sum()  # the largest
+
+
+def test_a_stem_that_never_moves_explains_nothing():  # analytic: the constant beside it explains all that it could
+    rng = np.random.default_rng(7)
+    stems, left = np.repeat(rng.uniform(0.0, 100.0, (200, 1)), 300, axis=1), np.empty((200, 1))
+    w, target = rng.uniform(0.3, 1.0, 290), rng.normal(size=290)
+    constant = (w / np.linalg.norm(w))[None]
+    explained_by(stems, np.arange(10, 300), 2, w, constant, target - constant[0] * (constant[0] @ target), left)
+    assert np.abs(left).max() < 1e-3 * (target @ target)
 
 
 def test_rows_leave_out_what_was_not_measured():
