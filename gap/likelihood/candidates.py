@@ -100,6 +100,8 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
         if found is None or scored is None:
             continue
         gain, direction, _ = scored
+        if alone:  # other noise may have taken its place, which the likelihood weighs and the score does not
+            gain = max(gain, null.nll - found.nll)
         if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
             best, least = Candidate(one, found.values, gain, None if alone else direction), found.nll
     return best

@@ -24,6 +24,7 @@ CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that
 EVEN = 1e-6  # share of an interval by which a scan may differ from it
 FURTHER = (0.0, 0.2, 0.5, 1.0)  # shares of what a signal may go further between two rows
 SLOWER = (*range(2, 13), 15, 20, 30, 60)  # times the model's scan
+FIRSTS = 4  # first scans of each that are tried, at most, where each costs a run of the diagram
 STANDS = 3  # rows at which a signal stands at its limit, at least
 CALM = 4.0  # standard deviations from which on innovations propose no load
 
@@ -35,7 +36,7 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     if is_load(effect):
         return _loads(null, one)
     if isinstance(effect, ScanTime):
-        return _scans(one)
+        return _scans(null, one)
     if one.bends:
         return _limits(one)
     if effect.hidden:  # a stem, which jumps or does not: the first parameter is its band
@@ -59,21 +60,26 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     return [size for size in found if size]
 
 
-def _scans(one: Hypothesis) -> list[dict[str, float]]:
+def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     """Return scans that the model's controller does not have."""
     f, own = one.frame, one.nominal["period"]
     signal = str(f.model[one.place].output_labels[0])
     values = f.Y[:, f.signals.index(signal)] if signal in f.signals else np.full(len(f.Y), np.nan)
     good = np.isfinite(values)
     found = first_scans(f.record.log.t[good], values[good], own, f.record.log.dt, one.bounds["period"])
-    if f.scans is not None:  # each costs little
+    if f.scans is not None:
         found += [
             {"period": own * k, "offset": f.scans.period * offset, "present": present}
             for k in SLOWER
-            for offset in range(round(own * k / f.scans.period))
+            for offset in _firsts(round(own * k / f.scans.period), null.best.gains is None)
             for present in (1.0, 0.0)
         ]
     return [size for size in found if size["period"] != own]
+
+
+def _firsts(count: int, exact: bool) -> list[int]:
+    """Return which of so many first scans are tried: all where a linear filter, which takes little time, serves."""
+    return list(range(count)) if exact else sorted({round(count * k / FIRSTS) for k in range(min(count, FIRSTS))})
 
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:

@@ -10,7 +10,9 @@ from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import fitted, legal, model_alone
 from stickslip.gap.likelihood.settling import settled
+from stickslip.gap.likelihood.sizes import sizes
 
+from tests.gap import plain_tank
 from tests.gap.root_tank import framed, logged, tank
 
 
@@ -31,6 +33,24 @@ def test_an_effect_that_adds_a_state_is_scored_by_a_filter_of_its_own() -> None:
     (found,) = by_score(null, [lag])
     assert found.gain > 10.0
     assert found.direction is None  # gains of its own are no direction that the model's innovations could lie in
+
+
+def test_an_effect_with_a_filter_of_its_own_promises_what_that_filter_gains() -> None:
+    # what the noise and the load of the model have taken in its place, its score leaves out: 9 nats of 157
+    record, wired = plain_tank.logged("setpoint_filter", 8.0, duration=3600.0), plain_tank.model()
+    null = settled(model_alone(replace(framed(wired, record), apart=True)))
+    (found,) = by_score(null, [Hypothesis(null.best.hypothesis.frame, effect("dead_time"), "tank")])
+    own = found.hypothesis.filtered(found.values)
+    assert null.nll - own.nll > 100.0
+    assert found.gain >= null.nll - own.nll
+
+
+def test_a_slower_scan_of_a_loop_that_bends_is_looked_for_at_a_few_instants() -> None:
+    wired = tank()
+    null = alone(logged(wired, 15, duration=1200.0))
+    scans = sizes(null, Hypothesis(null.best.hypothesis.frame, effect("scan_time"), "controller"))
+    assert null.best.gains is not None  # no linear filter follows it
+    assert 0 < len(scans) < 150
 
 
 def test_a_stem_is_fitted_only_where_its_first_sizes_come_near_enough() -> None:
