@@ -26,6 +26,7 @@ CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SWITCHED = 8  # limits of a controller that are looked at with switches of their own
 SPRINT = 3  # rounds of a fit there
+WIDER, NARROWER = 1.3, 1.03  # factors by which a size is changed there, first and last
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
 
@@ -149,9 +150,31 @@ def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | N
     best = _likeliest(tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS) for size in sizes(rough, one))
     if best is None:
         return None
-    best = refined(best, [name for name in free_names(part) if name in part.own], SPRINT).best
+    for name in free_names(part):
+        best = _further(best, name) if name in part.own else best
     whole = tried(one.of(short), best.values)
     return best if whole is None else refined(with_switches(whole), free_names(one), SPRINT).best
+
+
+def _further(best: Innovations, name: str) -> Innovations:
+    """Return the likeliest of sizes of one parameter, the best of the first and others on the way from there.
+
+    Far from the log a small change of a size changes the likelihood by chance, and its slope says nothing.
+    """
+    one, by = best.hypothesis, WIDER
+    low, high = one.bounds[name]
+    while by > NARROWER:
+        for factor in (by, 1.0 / by):
+            start = best
+            while low < (size := best.values[name] * factor) < high:
+                ahead = tried(one, {**best.values, name: size}, None, FIRST_RUNS)
+                if ahead is None or ahead.nll > best.nll - CLOSE:
+                    break
+                best = ahead
+            if best is not start:
+                break
+        by = math.sqrt(by)
+    return best
 
 
 def _likeliest(trials: Iterable[Innovations | None]) -> Innovations | None:

@@ -86,6 +86,16 @@ def test_a_controller_behind_a_sensor_whose_step_is_stated_has_seen_what_the_log
     assert "PV rounded to 0.001" in said, said  # and not to what the controller knows of it
 
 
+def test_a_size_far_off_is_found_where_a_stated_step_of_the_sensor_makes_the_likelihood_rough() -> None:
+    # slopes were those of single steps: from the first size, 0.75, no fit came below 0.72
+    stepped = tank().with_params({"sensor.step": 0.001})
+    log = logged(effect("controller_integral_time").insert(stepped, "controller", factor=0.35), 8)
+    rough = model_alone(replace(framed(stepped, log), apart=True))
+    one = Hypothesis(rough.best.hypothesis.frame, effect("controller_integral_time"), "controller")
+    (found,) = by_race(settled(rough), rough, [one])
+    assert found.values["factor"] == pytest.approx(0.35, rel=0.05)
+
+
 def test_what_lies_in_the_path_of_a_set_point_is_looked_for_only_where_it_moves() -> None:
     # a set point at rest shows nothing of it: by the start of a log a weight gained 319 nats, and moved no signal
     log = logged(tank(), 8)
