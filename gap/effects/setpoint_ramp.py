@@ -39,7 +39,7 @@ class SetpointRamp(OfController):
     """
 
     name = "setpoint_ramp"
-    parameters = (Parameter("rate", "PV/s", math.inf, 2e-4, 0.2, "log", "span"),)
+    parameters = (Parameter("rate", "PV/s", math.inf, 1e-5, 0.2, "log", "span"),)
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the limiter of the rate."""

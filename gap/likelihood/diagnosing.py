@@ -223,7 +223,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     shown = by_digits(null, alone, catalogue, seed)
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
-    far = null.best.gross or at_bound(null)  # noise that wants to be larger than it can be hides how far it is
+    far = null.best.gross or bool(at_bound(null))  # noise that wants to be larger than it can be hides how far it is
     found = (
         by_race(null, rough, legal(rough, catalogue), progress)
         if far

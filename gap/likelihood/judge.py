@@ -22,7 +22,8 @@ from stickslip.gap.likelihood.constancy import constancy
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import played
-from stickslip.gap.likelihood.scores import basis, trusted
+from stickslip.gap.likelihood.scores import at_bound, basis, trusted
+from stickslip.gap.likelihood.stems import known_stem
 from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
@@ -33,6 +34,7 @@ ALARM = 0.005  # share of right hypotheses that are called wrong
 FARTHEST = 700.0  # of a deviate: the exponential of more overflows
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
+SURE = 4.0  # standard deviations by which noise or a load may want to stand at its bound: 0.00006 of right ones do
 MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
 
 
@@ -73,7 +75,27 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
     b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
     a = float(middle) - _gumbel(QUARTILES[1]) * b
-    return Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+    found = Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+    at, beyond = _beyond(fit)
+    if found.unusual or beyond <= SURE:
+        return found
+    return Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
+
+
+def _beyond(fit: Fit) -> tuple[str, float]:
+    """Return which noise or load at its bound the record wants there most, and by how many standard deviations more
+    than half way there: such a load stands for what the model has not.
+    """
+    names, found = at_bound(fit), ("", 0.0)
+    if not names:
+        return found
+    now = known_stem(fit.best).filtered(fit.best.values) if fit.hypothesis.hides else fit.best
+    for name in names:
+        stated = now.hypothesis.frame.stated[name]
+        half = now.hypothesis.noisier(now, {name: math.sqrt(stated * now.values[name])})
+        gained = math.sqrt(2.0 * max(half.nll - now.nll, 0.0))
+        found = max(found, (f"{name} at its bound", gained), key=lambda known: known[1])
+    return found
 
 
 def chance(deviate: float) -> float:

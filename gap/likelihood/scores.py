@@ -16,11 +16,11 @@ AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
 CALM = 4.0  # standard deviations from which on innovations count less
 
 
-def at_bound(null: Fit) -> bool:
-    """Return whether noise, or a load, wants to be larger or slower than every fit lets it."""
-    one, values = null.hypothesis, null.best.values
-    known = [(values[name], *one.bounds[name]) for name in sorted(one.noise_keys & values.keys())]
-    return any(min(now / low, high / now) < 1.0 + AT_BOUND for now, low, high in known)
+def at_bound(fit: Fit) -> tuple[str, ...]:
+    """Return which noise or load wants to be larger or slower than every fit lets it, or smaller or faster."""
+    one, values = fit.hypothesis, fit.best.values
+    known = {name: (values[name], *one.bounds[name]) for name in sorted(one.noise_keys & values.keys())}
+    return tuple(name for name, (now, low, high) in known.items() if min(now / low, high / now) < 1.0 + AT_BOUND)
 
 
 def score(null: Fit, looked: Innovations) -> tuple[float, Floats, float] | None:

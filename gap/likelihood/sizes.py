@@ -19,7 +19,7 @@ from stickslip.gap.likelihood.statement import BEYOND
 Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
-SIZES = 5  # of a size whose neutral value is none at all
+SIZES, APART = 5, 3.0  # of a size whose neutral value is none at all, at least, and their ratio, at most
 CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that a limit would cut
 EVEN = 1e-6  # share of an interval by which a scan may differ from it
 FURTHER = (0.0, 0.2, 0.5, 1.0)  # shares of what a signal may go further between two rows
@@ -51,7 +51,8 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         if p.spacing == "log" and low < nominal < high:
             several = [nominal * by for by in FACTORS]
         elif p.spacing == "log":
-            several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
+            count = max(SIZES, math.ceil(math.log(high / low) / math.log(APART)))
+            several = np.geomspace(low, high, count + 2)[1:-1].tolist()
         else:
             start = nominal if math.isfinite(nominal) else low
             several = [start + way * share * (high - low) for share in SHARES for way in (1.0, -1.0)]

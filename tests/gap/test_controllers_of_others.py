@@ -1,6 +1,7 @@
 """What a controller of a plant does that the model's does not, beside a plant in plain numpy."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,8 +10,13 @@ from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
+from stickslip.gap.likelihood.candidates import by_race
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.settling import settled
 
 from tests.gap.plain_tank import LEVELS, logged, model
+from tests.gap.root_tank import framed
 
 SIZES = {
     "setpoint_filter": ("controller", "tau", 15.0), "setpoint_ramp": ("controller", "rate", 0.0015),
@@ -45,3 +51,11 @@ def test_it_is_named_with_its_size(name, root):
     (cause,) = report.causes
     assert (cause.effect, cause.place) == (name, place)
     assert cause.parameters[key].value == pytest.approx(size, rel=0.12)
+
+
+def test_a_ramp_that_takes_minutes_is_among_the_first_sizes():
+    # rates below 2e-4 of span a second were out of bounds, and first rates lay a factor 3.2 apart
+    rough = model_alone(replace(framed(model(), logged("setpoint_ramp", 1e-4, duration=3600.0)), apart=True))
+    ramp = Hypothesis(rough.best.hypothesis.frame, effect("setpoint_ramp"), "controller")
+    (found,) = by_race(settled(rough), rough, [ramp])
+    assert found.values["rate"] == pytest.approx(1e-4, rel=0.05)
