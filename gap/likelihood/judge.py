@@ -134,7 +134,12 @@ def _gumbel(share: float) -> float:
 
 
 def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
-    """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves."""
+    """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves.
+
+    A fit whose own runs fail, where those of the model alone do not, wrote no such log.
+    """
+    if math.isinf(verdict.limit) and math.isfinite(alone.limit):
+        return False
     return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 
 

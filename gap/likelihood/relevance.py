@@ -11,11 +11,15 @@ from stickslip.gap.likelihood.fit import Fit
 
 RUNS = 3
 STRETCHES = 20  # of a record
+ALL = 1.0  # of its movement
 RELEVANT = 0.01  # of a signal's movement: no plant computes like its model, and what is less is no gap
 
 
 def moved(with_effect: Fit, seed: int = 0) -> float:
-    """Return the share of its movement by which an effect moves the signal that it moves most."""
+    """Return the share of its movement by which an effect moves the signal that it moves most.
+
+    An effect with which a run fails, a level that leaves its tank, moves all.
+    """
     one = with_effect.hypothesis
     frame, best = one.frame, with_effect.best.values
     free = {key: best[key] for key in frame.free}
@@ -23,9 +27,11 @@ def moved(with_effect: Fit, seed: int = 0) -> float:
     without = unrounded(neutral, frame.record, RUNS, seed + 1)
     found = unrounded(one.model(best), frame.record, RUNS, seed + 1)
     shares = [0.0]
+    if any(len(found[s]) < len(values) or not len(values) for s, values in without.items()):
+        return ALL
     for s, values in without.items():
         natural = float(np.mean(np.var(values, axis=1)))
-        if natural > 0.0 and found[s].shape == values.shape:
+        if natural > 0.0:
             apart = np.mean((found[s] - values) ** 2, axis=0)
             shares.append(max(float(np.sqrt(np.mean(part) / natural)) for part in np.array_split(apart, STRETCHES)))
     return max(shares)

@@ -1,5 +1,8 @@
 """What an explanation may leave of a gap, however large the gap is."""
 
+import math
+from dataclasses import replace
+
 import pytest
 from stickslip.gap.likelihood.judge import Verdict, chance, enough
 
@@ -17,3 +20,9 @@ def test_a_record_that_leaves_far_less_than_runs_is_sure_to_be_exceeded():
     """Where runs leave the track in every run the exponential of the deviate had no number: an OverflowError."""
     assert chance(-1e5) == 1.0
     assert chance(1e5) < 1e-300
+
+
+def test_a_fit_whose_own_runs_fail_is_not_enough():
+    alone = Verdict(85.0, "size of PV", 0.0, 6.6)
+    assert not enough(None, Verdict(20.0, "PV", 1.0, math.inf), alone)
+    assert enough(None, Verdict(20.0, "PV", 1.0, math.inf), replace(alone, limit=math.inf))  # of neither a run is known
