@@ -79,8 +79,13 @@ def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
 
 
 def _firsts(count: int, exact: bool) -> list[int]:
-    """Return which of so many first scans are tried: all where a linear filter, which takes little time, serves."""
-    return list(range(count)) if exact else sorted({round(count * k / FIRSTS) for k in range(min(count, FIRSTS))})
+    """Return which of so many first scans are tried: all where a linear filter, which takes little time, serves.
+
+    >>> _firsts(2, False), _firsts(60, False)
+    ([0, 1], [0, 15, 30, 45])
+    """
+    few = count if exact else min(count, FIRSTS)
+    return [count * k // few for k in range(few)]
 
 
 def _limits(one: Hypothesis) -> list[dict[str, float]]:
