@@ -88,7 +88,7 @@ def explained_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, le
     p, n = q.shape
     x = np.empty((b, n))
     along = np.empty((b, p))
-    gram, cross, right, rounding = np.empty((b, b)), np.empty(b), np.empty(b), np.empty(b)
+    gram, cross, right = np.empty((b, b)), np.empty(b), np.empty(b)
     for lane in range(c):
         for i in range(b):
             for t in range(n):
@@ -98,7 +98,7 @@ def explained_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, le
                 gram[i, j] = _product(x[i], x[j])
             for j in range(p):
                 along[i, j] = _product(x[i], q[j])
-            rounding[i] = ROUNDING * gram[i, i]
+            gram[i, i] += ROUNDING * gram[i, i]
         for i in range(b):
             for j in range(i + 1):
                 total = gram[i, j]
@@ -106,7 +106,7 @@ def explained_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, le
                     total -= along[i, m] * along[j, m]
                 gram[i, j] = total
         for i in range(b):
-            gram[i, i] += RIDGE * gram[i, i] + rounding[i] + 1e-300
+            gram[i, i] += RIDGE * gram[i, i] + 1e-300
             right[i] = cross[i]
         _solved(gram, right)
         explained = 0.0

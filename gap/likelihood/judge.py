@@ -4,6 +4,8 @@
         of every effect of the catalogue
     p = 1 - exp(-exp(-(T - a) / b))          a, b of Gumbel's law, from runs of the hypothesis with its own noise
 
+A noise or a load that stands at its bound is a figure too: by how much the record rejects a size half way there.
+
 One question for the model alone ("is there a gap?") and for the effect that is named ("is it enough?").
 Source of the law of largest values, and of the least b: Gumbel, Statistics of Extremes (1958), sections 5.2 and 4.2.
 """
@@ -76,10 +78,10 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
     a = float(middle) - _gumbel(QUARTILES[1]) * b
     found = Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
-    at, beyond = _beyond(fit)
-    if found.unusual or beyond <= SURE:
+    if found.unusual:
         return found
-    return Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
+    at, beyond = _beyond(fit)
+    return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
 
 
 def _beyond(fit: Fit) -> tuple[str, float]:

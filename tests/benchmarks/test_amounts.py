@@ -41,5 +41,6 @@ def test_what_the_page_promises(place):
         if one.method.startswith("verdict") and place != "ramp":
             assert pytest.approx(one.case.S, rel=0.26 if place == "level" else 0.14) == one.S
         if one.case.valve != "He" or place != "ramp":
+            large = one.method.startswith("verdict") and place == "flow"  # see the page
             share = one.S / one.case.S
-            assert share < (1.14 if one.method.startswith("verdict") else 1.06), one  # OP moves 6 % of S 2 in a sample
+            assert share < (1.14 if large else 1.06), one  # OP moves 6 % of S 2 in a sample
