@@ -16,6 +16,7 @@ Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 import math
 
 import numpy as np
+from stickslip.engine.filtering import BEHIND
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import arrived
 from stickslip.logs.compiled import njit
@@ -25,15 +26,16 @@ ALONE = 0.5  # share of the particles that have to count, or they are drawn anew
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def banked(  # type: ignore[no-untyped-def]
-    I, W, buffer, kept, saved, places, shown, noisy, hidden, times, row_of, phi, sd, values, steps, gains, S, far, z0,
-    drawn, dither, shares, losses, e, stood, came,
+    I, W, buffer, kept, saved, places, shown, noisy, hidden, times, row_of, phi, sd, values, steps, gains, S, far, bar,
+    sure, z0, drawn, dither, shares, losses, e, stood, came,
 ):  # fmt: skip
     """Follow a bank of particles; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
 
     ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter that knows it
     (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (m,) of the log's rounding; ``far``
-    standard deviations beyond which a loss grows in proportion; ``drawn`` (k, particles, q) standard normal numbers,
-    ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform ones.
+    standard deviations beyond which a loss grows in proportion; ``bar`` and ``sure`` as ``extended`` has them;
+    ``drawn`` (k, particles, q) standard normal numbers, ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform
+    ones.
 
     Written too are where the hidden block ``stood`` at each stop (k, particles), by the first state that is its own,
     and of which particle each ``came`` behind a row (rows, particles).  Returned is a status.
@@ -54,7 +56,7 @@ def banked(  # type: ignore[no-untyped-def]
     for i in range(n):
         for p in range(h):
             own[i] = own[i] or places[0, i] == hidden[p]
-    first = np.argmax(own)
+    first, sum_of_losses = np.argmax(own), 0.0
     for k in range(len(times)):
         row = row_of[k]
         for j in range(particles):
@@ -159,6 +161,13 @@ def banked(  # type: ignore[no-untyped-def]
                     s += before[j] * off[j, i]
                 e[row, i] = s / math.sqrt(S[row, i])
                 losses[row] += 0.5 * math.log(S[row, i])
+        if len(bar) > 0 and bar[row] == bar[row]:
+            sum_of_losses += losses[row]
+            for i in range(m):
+                if S[row, i] != S[row, i]:
+                    sum_of_losses += sure[i]
+            if sum_of_losses > bar[row]:
+                return BEHIND
         anew = 1.0 / squares < ALONE * particles
         j, reached = 0, weight[0]
         for p in range(particles):

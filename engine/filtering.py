@@ -30,6 +30,7 @@ FAR = 4.0  # standard deviations within which a row may find the state
 LOST = 8.0  # standard deviations by which a row is missed from where on the spread is no guide to what bends
 KINDS = 24  # of stops whose slopes are kept
 TOO_MANY = int(Status.TOO_MANY_STEPS)
+BEHIND = 2**30  # status of a filter that was given up
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -88,10 +89,26 @@ def followed(  # type: ignore[no-untyped-def]
     return 0
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inner=True)
+def loss_of(e, S, sure, far):  # type: ignore[no-untyped-def]
+    """Return the loss of the values of one row [nats], in proportion beyond ``far``; ``sure`` (m,) is that of a value
+    without variance.
+    """
+    loss = 0.0
+    for i in range(len(e)):
+        if S[i] == S[i]:
+            off = abs(e[i])
+            near = min(off, far)
+            loss += 0.5 * near**2 + far * (off - near) + 0.5 * math.log(S[i])
+        else:
+            loss += sure[i]
+    return loss
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, modes, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    probed, joined, most, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
+    probed, joined, most, bar, sure, far, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -101,8 +118,9 @@ def extended(  # type: ignore[no-untyped-def]
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
     of rounding; ``probed`` which signals are asked whether they bend; ``joined`` whether every row has all gains, not
-    only those near a kink; ``most`` stops that may have slopes of their own.  ``z`` (n,), ``spread`` (n, columns): the
-    state before the first stop, and a factor of its variance.
+    only those near a kink; ``most`` stops that may have slopes of their own; ``bar`` (rows,) the sum of losses at which
+    it is given up, NaN where a row does not count, (0,) for never, with ``sure`` (m,) and ``far`` of ``loss_of``.
+    ``z`` (n,), ``spread`` (n, columns): the state before the first stop, and a factor of its variance.
 
     Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
     (rows, 2 n + m + q + 1, m) of the state, of signals, of the state one stop before, of what was drawn since and of
@@ -127,7 +145,7 @@ def extended(  # type: ignore[no-untyped-def]
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
     alone = np.full(n, -1)
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
-    count, status, near, lost, moved = 0, 0, True, False, False
+    count, status, near, lost, moved, loss = 0, 0, True, False, False, 0.0
     for k in range(len(times)):
         if moved:  # other runs have left the same instant since
             restore(I, W, base_I, base_W)
@@ -233,6 +251,11 @@ def extended(  # type: ignore[no-untyped-def]
             if status != 0:
                 break
             lost = np.nanmax(np.abs(e[row])) > LOST
+            if len(bar) > 0 and bar[row] == bar[row]:
+                loss += loss_of(e[row], S[row], sure, far)
+                if loss > bar[row]:
+                    status = BEHIND
+                    break
         else:
             z[:] = behind
         D, E, columns = E, D, width

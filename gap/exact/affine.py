@@ -109,17 +109,24 @@ def straight_between(block: Block, middle: Floats, ends: Sequence[Floats], t: Fl
     """Raise ``NotAffine`` for a block that is not the same line at ``ends`` of what enters it as in the ``middle``, or
     not one in the time from the first to the last of ``t`` [s].
     """
-    block = _at_once(block)
-    line, names = affine(block, middle), block.seen_states()
+    times = np.linspace(float(t[0]), float(t[-1]), TIMES).tolist() if block.kernels.timed else [0.0]
+    if not _straight(Alike(_at_once(block)), tuple(tuple(u.tolist()) for u in (middle, *ends)), tuple(times)):
+        raise NotAffine(f"'{block.name}' bends within what the log visits")
+
+
+@lru_cache(maxsize=4096)
+def _straight(alike: Alike, inputs: tuple[tuple[float, ...], ...], times: tuple[float, ...]) -> bool:
+    """Return whether a block is the line that it is at the first of some ``inputs`` at all of them, at all times."""
+    block = alike.block
+    line, names = affine(block, np.array(inputs[0])), block.seen_states()
     x = np.array(block.seen_start(), dtype=float)
-    z = np.array([x[names.index(s)] for s in line.states])
     kept = [names.index(s) for s in line.states]
-    times = np.linspace(float(t[0]), float(t[-1]), TIMES) if block.kernels.timed else np.zeros(1)
-    for u in (middle, *ends):
-        for now in times.tolist():
+    table = np.vstack([line.moved, line.given])
+    for u in map(np.array, inputs):
+        for now in times:
             rates = np.asarray(block.dynamics(now, x, u), dtype=float)[kept]
             found = np.concatenate([rates, np.asarray(block.output(now, x, u), dtype=float)])
-            table = np.vstack([line.moved, line.given])
-            terms = table * np.concatenate([z, u, [now, 1.0]])
+            terms = table * np.concatenate([x[kept], u, [now, 1.0]])
             if np.any(np.abs(found - terms.sum(axis=1)) > NEARLY * np.abs(terms).sum(axis=1) + ROUNDED):
-                raise NotAffine(f"'{block.name}' bends within what the log visits")
+                return False
+    return True

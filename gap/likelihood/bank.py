@@ -10,7 +10,7 @@ from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.stems import left_by_stems, likely_path
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
-from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, complain
+from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of, complain
 
 Floats = NDArray[np.float64]
 DRAWN = 8  # times as many stems where each draws what the controllers give
@@ -18,10 +18,12 @@ EARLY = 1e-6  # of a scan [s], by which a stop may come before it
 SEED = 1  # of the numbers that a bank draws: the same for all sizes, so that losses compare
 
 
-def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations, count: int) -> Innovations:
+def left_by_bank(
+    one: Hypothesis, values: Mapping[str, float], near: Innovations, count: int, best: Innovations | None = None
+) -> Innovations:
     """Return what a bank of ``count`` stems leaves, each with a hidden mode of its own; ``near`` knows the mode.
 
-    Raises ``ArithmeticError`` where a run of the diagram fails.
+    Raises ``ArithmeticError`` where a run of the diagram fails, or the ``best`` of the same rows is far ahead.
     """
     exactly = _in_linear_loop(one, {**one.nominal, **values}, count)
     if exactly is not None:
@@ -45,8 +47,8 @@ def left_by_bank(one: Hypothesis, values: Mapping[str, float], near: Innovations
     gains = gains_for(one.labels, near.hypothesis.labels, near.gains)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
-        hidden, times, row_of, phi, sd, f.anew, np.sqrt(12.0 * f.r), gains, near.S, FAR, z, drawn, dither,
-        shares, losses, e, stood, came,
+        hidden, times, row_of, phi, sd, f.anew, np.sqrt(12.0 * f.r), gains, near.S, FAR, bar_of(best), f.sure, z,
+        drawn, dither, shares, losses, e, stood, came,
     )  # fmt: skip
     complain(status)
     return Innovations(one, full, e, near.S, near.gains, near.kinks, near.turns, near=near, mixed=losses,
@@ -63,8 +65,6 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
         params, sizes = one.stated_of(exact, values)
         loop = exact.scanned(params, sizes, cut=given(f.model, one.place))
     except NotAffine:
-        return None
-    if (loop.period > 1).any():
         return None
     again = np.full(f.anew.shape, -1)
     for c, unsure in enumerate(exact.scans.unsure):

@@ -147,7 +147,10 @@ def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
 def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | None:
     """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them."""
     part = one.of(replace(short, apart=True))
-    best = _likeliest(tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS) for size in sizes(rough, one))
+    best: Innovations | None = None
+    for size in sizes(rough, one):
+        ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
+        best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
     if best is None:
         return None
     for name in free_names(part):
@@ -167,7 +170,7 @@ def _further(best: Innovations, name: str) -> Innovations:
         for factor in (by, 1.0 / by):
             start = best
             while low < (size := best.values[name] * factor) < high:
-                ahead = tried(one, {**best.values, name: size}, None, FIRST_RUNS)
+                ahead = tried(one, {**best.values, name: size}, None, FIRST_RUNS, best)
                 if ahead is None or ahead.nll > best.nll - CLOSE:
                     break
                 best = ahead

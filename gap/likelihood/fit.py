@@ -63,14 +63,20 @@ def unfitted(best: Innovations) -> Fit:
 
 
 def tried(
-    one: Hypothesis, values: Mapping[str, float], near: Innovations | None = None, most_runs: int = ENDLESS
+    one: Hypothesis,
+    values: Mapping[str, float],
+    near: Innovations | None = None,
+    most_runs: int = ENDLESS,
+    best: Innovations | None = None,
 ) -> Innovations | None:
-    """Return what these values leave; None if the effect cannot have them, a run fails, or it takes too many."""
+    """Return what these values leave; None if the effect cannot have them, a run fails, it takes too many, or the
+    ``best`` of the same rows is far ahead.
+    """
     full = {**one.nominal, **values}
     if one.effect and one.effect.rules(one.frame.model, one.place, {name: full[name] for name in one.own}):
         return None
     try:
-        found = one.filtered(full, near, most_runs=most_runs)
+        found = one.filtered(full, near, most_runs=most_runs, best=best)
     except ArithmeticError:
         return None
     return found if math.isfinite(found.nll) else None
@@ -107,7 +113,7 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near
 def _at(now: Innovations, names: Sequence[str], d: Floats, near: Innovations | None) -> Innovations | None:
     """Return what is left a step away."""
     one = now.hypothesis
-    return tried(one, {**now.values, **moved(one, names, now.values, d)}, near)
+    return tried(one, {**now.values, **moved(one, names, now.values, d)}, near, best=now)
 
 
 def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, list[str], Floats]:

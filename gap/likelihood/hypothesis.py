@@ -27,6 +27,8 @@ GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 ENDLESS = 2**62
+LATE = 200.0  # nats by which a filter lags behind another, from which on it is given up
+NEVER = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +47,14 @@ class Hypothesis(Statement):
         near: "Innovations | None" = None,
         joined: bool = False,
         most_runs: int = ENDLESS,
+        best: "Innovations | None" = None,
     ) -> "Innovations":
         """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, its mean alone.
 
-        ``joined``: whether every row has all gains, which a bank needs; ``most_runs`` from stop to stop for slopes.
+        ``joined``: whether every row has all gains, which a bank needs; ``most_runs`` from stop to stop for slopes;
+        ``best`` of the same rows, which is to be beaten.
 
-        Raises ``ArithmeticError`` where a run of the diagram fails, or slopes take more runs.
+        Raises ``ArithmeticError`` where a run of the diagram fails, slopes take more runs, or the best is far ahead.
         """
         f = self.frame
         full = {**self.nominal, **values}
@@ -84,8 +88,8 @@ class Hypothesis(Statement):
         turns = np.zeros((len(times), n + m))
         status, *pools = extended(
             I, W, buffer, *kept_sizes(I), self.places, self.prepared.modes, self.shown, self.places[0, self.where],
-            self.where, size, times, row_of, phi, sd, f.anew, f.r, f.probed, joined, most_runs // (2 * n), z.copy(),
-            spread, which, force, gains, kinks, turns, shown, e, S,
+            self.where, size, times, row_of, phi, sd, f.anew, f.r, f.probed, joined, most_runs // (2 * n), bar_of(best),
+            f.sure, FAR, z.copy(), spread, which, force, gains, kinks, turns, shown, e, S,
         )  # fmt: skip
         complain(status)
         found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
@@ -218,6 +222,11 @@ class Hypothesis(Statement):
         return np.array([p.component.signals[p.diagram.signals.index(s)] for s in self.frame.signals], dtype=np.int64)
 
 
+def bar_of(best: "Innovations | None") -> Floats:
+    """Return the sums of losses at which a filter is given up that is to beat the best, (0,) where there is none."""
+    return NEVER if best is None else best.bar
+
+
 def complain(status: int) -> None:
     """Raise ``ArithmeticError`` for a status that is not 0."""
     if status != 0:
@@ -283,14 +292,26 @@ class Innovations:
         one is not to be judged by a few rows alone.  A value that is as foretold for sure, an output that stands at a
         limit or has not been made anew, counts as its rounding.
         """
+        f = self.hypothesis.frame
+        sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
+        return np.asarray(sure + self._unsure)
+
+    @cached_property
+    def _unsure(self) -> Floats:
+        """Loss of the values of each row that have a variance, (rows,) [nats]."""
+        if self.mixed is not None:
+            return self.mixed
         size = np.abs(self.e)
         near = np.minimum(size, FAR)
         loss = 0.5 * near**2 + FAR * (size - near)
+        return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
+
+    @cached_property
+    def bar(self) -> Floats:
+        """Sum of losses up to each row at which another filter is too late to be likelier, NaN where no row counts."""
         f = self.hypothesis.frame
-        sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
-        if self.mixed is not None:
-            return np.asarray(sure + self.mixed)
-        return np.asarray(sure + np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
+        lost = np.where(f.counted, self._unsure + np.isnan(self.S) @ f.sure, 0.0)
+        return np.where(f.counted, np.cumsum(lost) + LATE, np.nan)
 
     @cached_property
     def weights(self) -> Floats:

@@ -144,7 +144,7 @@ def _with_random(start: Innovations) -> Innovations | None:
             near = start
             for size in SIZES:
                 sizes = {"sd": size * source.sd, "correlation_time": band * long}
-                new = tried(one, {**start.values, **sizes})
+                new = tried(one, {**start.values, **sizes}, best=near)
                 if new is None or new.nll >= near.nll:
                     break
                 near = new
@@ -153,7 +153,7 @@ def _with_random(start: Innovations) -> Innovations | None:
         return None
     for key in ("sd", "correlation_time"):
         for by in NEARBY:
-            new = tried(best.hypothesis, {**best.values, key: by * best.values[key]})
+            new = tried(best.hypothesis, {**best.values, key: by * best.values[key]}, best=best)
             best = new if new is not None and new.nll < best.nll else best
     return best
 

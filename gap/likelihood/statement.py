@@ -7,8 +7,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
+from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import Exact
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.records.model import nuisances, silenced
 
@@ -104,9 +106,18 @@ class Statement:
 
     @cached_property
     def bare(self) -> Exact | None:
-        """The Kalman filter of the model without the effect, None where rows are not in step with its scans."""
+        """The Kalman filter of the model without the effect, which has a bank of stems of its own; None where the model
+        bends, rows are not in step with its scans, or one controller scans more slowly than others.
+        """
         f = self.frame
-        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+        if f.scans is None:
+            return None
+        found = Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+        try:
+            loop = found.scanned(*self.stated_of(found, self.nominal), cut=given(f.model, self.place))
+        except NotAffine:
+            return None
+        return None if (loop.period > 1).any() else found
 
     @cached_property
     def drawing(self) -> frozenset[str]:

@@ -61,13 +61,13 @@ class Bank:
     trials: list[Innovations] = field(default_factory=list)
 
     def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
-        """Return what a bank of these sizes leaves; None where they cannot be, or a run fails."""
+        """Return what a bank of these sizes leaves; None where they cannot be, a run fails, or others are far ahead."""
         one = one or self.one
         assert one.effect is not None
         if one.effect.rules(one.frame.model, one.place, size):
             return None
         try:
-            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count)
+            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count, self.best())
         except ArithmeticError:
             return None
         if not math.isfinite(found.nll):

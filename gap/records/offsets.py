@@ -22,13 +22,14 @@ def offsets(
     params: Mapping[str, ArrayLike] | None = None,
     start: Mapping[str, ArrayLike] | None = None,
     logs: Sequence[Log] | None = None,
+    workers: int | None = None,
 ) -> Floats:
     """Return what the pins add, (runs, rows, pinned signals); NaN where any is missing, or a run failed.
 
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
-    with the same signals and rows.
+    with the same signals and rows.  ``workers`` threads, all cores if None.
     """
-    return branched(diagram, record, params, start, logs)[0]
+    return branched(diagram, record, params, start, logs, workers=workers)[0]
 
 
 def branched(
@@ -38,6 +39,7 @@ def branched(
     start: Mapping[str, ArrayLike] | None = None,
     logs: Sequence[Log] | None = None,
     branches: Branches | None = None,
+    workers: int | None = None,
 ) -> tuple[Floats, Floats]:
     """Return the offsets, as ``offsets`` does, and how many ``branches`` were kept in each run, (runs,)."""
     if record.filter is not None:
@@ -51,7 +53,7 @@ def branched(
         t0 = np.full(1 if not given and not start else (), log.t[0])  # an array says that there is one run
         many = ensemble(
             held(diagram, record), log.duration, t0=t0, times=log.t, params=given, start=start,
-            signals=keep, progress=False, branches=branches,
+            signals=keep, progress=False, branches=branches, workers=workers,
         )  # fmt: skip
     else:
         signals = [*record.played, *record.pinned]

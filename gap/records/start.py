@@ -66,7 +66,8 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
 
 def _tried(quiet: Diagram, head: Record, many: Sequence[Mapping[str, float]]) -> Floats:
     """Return the offsets from each set of start values, (sets, rows, signals)."""
-    return offsets(quiet, head, start={key: np.array([values[key] for values in many]) for key in many[0]})
+    start = {key: np.array([values[key] for values in many]) for key in many[0]}
+    return offsets(quiet, head, start=start, workers=1)  # a thread costs more than such short runs
 
 
 def _step(value: float) -> float:
