@@ -7,9 +7,9 @@ import csv
 import sys
 from collections.abc import Mapping, Sequence
 
-from stickslip.detect.chances import chance
 from stickslip.detect.tag import Tag, judge_tag
 from stickslip.logs import read_loop
+from stickslip.logs.chances import chance
 
 from benchmarks.report import Figures, options, publish
 from benchmarks.stability import DATA

@@ -22,13 +22,13 @@ from stickslip.calibration.posterior import SEEN, Reading, log_odds, read
 from stickslip.calibration.records import Table, row, table
 from stickslip.calibration.simulation import simulate
 from stickslip.calibration.spec import LoopSpec
-from stickslip.detect.chances import chance
 from stickslip.detect.judge.answer import Amount
 from stickslip.detect.judge.features.network import one_look
 from stickslip.detect.judge.features.view import View
 from stickslip.detect.judge.model import rounded
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
+from stickslip.logs.chances import chance
 from stickslip.logs.processes import one_thread, processes
 
 Floats = NDArray[np.float64]

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from stickslip.detect.chances import chance
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
 from stickslip.detect.judge.grounds import Picture
@@ -19,6 +18,7 @@ from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.chances import chance
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
 

@@ -22,7 +22,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.chances import chance
 from stickslip.detect.judge.actions import CAUSES, confirming_steps
 from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import not_earned, usable
@@ -38,6 +37,7 @@ from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
 from stickslip.detect.stem.recent import recent, samples_per_period
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
+from stickslip.logs.chances import chance
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 

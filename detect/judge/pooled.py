@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from stickslip.detect.chances import chance
 from stickslip.detect.judge.actions import CAUSES
 from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
 from stickslip.detect.judge.features.earned import usable
@@ -26,6 +25,7 @@ from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Word
+from stickslip.logs.chances import chance
 
 __all__ = ["evidence_of_all", "pooled"]
 

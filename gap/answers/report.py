@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.seen import Seen
+from stickslip.logs.chances import chance
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class GapReport(Shown):
     hints: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        sure = [f"Probability of this answer: {_sure(one.probability)}." for one in self.causes[:1]]
+        sure = [f"Probability of this answer: {chance(one.probability)}." for one in self.causes[:1]]
         return "\n".join([*self.sentences, *(f"  - {note}" for note in (*sure, *self.notes))])
 
     @property
@@ -186,15 +187,6 @@ class GapReport(Shown):
 def _digits(value: float) -> float | None:
     """Return a number for JSON: six digits, nothing for what is not finite."""
     return float(f"{value:.6g}") if np.isfinite(value) else None
-
-
-def _sure(probability: float) -> str:
-    """Return a probability in words.
-
-    >>> _sure(0.876), _sure(0.9999)
-    ('0.88', 'over 0.99')
-    """
-    return f"{probability:.2f}" if probability < 0.995 else "over 0.99"
 
 
 def listed(names: Sequence[str]) -> str:

@@ -153,7 +153,7 @@ def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> di
     It stands beside the verdict and changes nothing of it, so that every entry point gives one answer.
     """
     from stickslip.calibration.by_simulation import together
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     if isinstance(found, str) or diagnosis.probability is None:
         say.paragraph(f"Simulation: {found}.")
@@ -191,9 +191,9 @@ def _remedy(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
     from stickslip.commands.one_loop import UNLIKELY
-    from stickslip.detect.chances import chance
     from stickslip.detect.judge.actions import CAUSES
     from stickslip.detect.words import WORDS
+    from stickslip.logs.chances import chance
 
     word = WORDS[diagnosis.verdict]
     say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)

@@ -160,8 +160,8 @@ def _rows(
 
     The verdict is the loop's own, as everywhere; what the other tags show stands beside it and puts the loop forward.
     """
-    from stickslip.detect.chances import chance
     from stickslip.detect.words import WORDS
+    from stickslip.logs.chances import chance
 
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):

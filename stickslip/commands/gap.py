@@ -93,9 +93,9 @@ def command(
     if earlier is not None:
         raise ValueError("--fit is given beside --model; a record is held against one of them: leave out the other")
     from stickslip.commands.own import diagram_named
-    from stickslip.detect.chances import chance
     from stickslip.gap import calibrated, diagnose
     from stickslip.logs import read_log
+    from stickslip.logs.chances import chance
 
     log = as_named(read_log(run, **form), signals)  # first: a model is executed only where there is a record
     diagram = diagram_named(model, "--model")
@@ -131,7 +131,7 @@ def without_model(
 ) -> NoReturn:
     """Say what a loop fitted to RUN lacks, or what has changed since EARLIER, and leave."""
     from stickslip.commands.fit import fitted
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
     from stickslip.remedy import changes, lacks
 
     if more or signals:
@@ -169,7 +169,7 @@ def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
 
 def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str) -> str:
     from stickslip.commands.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
     first, *more = report.sentences

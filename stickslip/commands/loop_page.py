@@ -57,9 +57,9 @@ def _lead(diagnosis: "Diagnosis") -> str:
 
 def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
     from stickslip.commands.report.page import Section, pairs
-    from stickslip.detect.chances import chance
     from stickslip.detect.judge.actions import CAUSES
     from stickslip.detect.words import WORDS
+    from stickslip.logs.chances import chance
 
     word = WORDS[diagnosis.verdict]
     section = Section("The answer", word.spoken.upper(), word.kind, diagnosis.reason)
@@ -141,9 +141,9 @@ def _test(diagnosis: "Diagnosis") -> "Section | None":
 
 def _over_time(found: "OverTime") -> "Section":
     from stickslip.commands.report.page import Section, figure_to_svg, table_to_html
-    from stickslip.detect.chances import chance
     from stickslip.detect.figures.evidence import plot_over_time
     from stickslip.detect.words import WORDS
+    from stickslip.logs.chances import chance
 
     section = Section("Over time", "", "open", found.words, before=found.divided)
     if not found.windows:

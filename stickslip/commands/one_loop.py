@@ -53,9 +53,9 @@ def answered(diagnosis: "Diagnosis") -> tuple[str, int, bool]:
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
     from stickslip.commands.report.page import Section
-    from stickslip.detect.chances import chance
     from stickslip.detect.judge.actions import CAUSES
     from stickslip.detect.words import WORDS
+    from stickslip.logs.chances import chance
 
     word = WORDS[diagnosis.verdict]
     section = Section(

@@ -88,7 +88,11 @@ def _functions(path: str) -> str:
 
 
 def _called(given: str, option: str) -> Any:
+    from stickslip.diagram import Diagram
+
     made = function_of(given, option)
+    if isinstance(made, Diagram):  # python-control calls a system with its inputs; this one is there already
+        return made
     try:
         return made()
     except Exception as fault:
@@ -97,7 +101,7 @@ def _called(given: str, option: str) -> Any:
 
 
 def diagram_named(given: str, option: str) -> "Diagram":
-    """Return the diagram of a case, or what the function of ``FILE.py:FUNCTION`` returns.
+    """Return the diagram of a case, or what ``FILE.py:FUNCTION`` returns; a diagram in the file has a name as well.
 
     Raises ``ValueError`` if there is no such case, or the function does not give a wired diagram or a case.
     """
@@ -106,6 +110,8 @@ def diagram_named(given: str, option: str) -> "Diagram":
 
 def case_named(given: str, option: str = "CASE") -> "Case":
     """Return a case by name, or the one that ``FILE.py:FUNCTION`` makes: a ``Case``, or a diagram with usual times.
+
+    A diagram that the file has under that name is taken as it is.
 
     Raises ``ValueError`` if there is no such case, or the function gives neither.
     """

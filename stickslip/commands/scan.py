@@ -147,7 +147,7 @@ def _headline(result: "ScanResult") -> str:
 
 def _rows(result: "ScanResult", most: int) -> tuple[list[str], list[list[str]]]:
     from stickslip.commands.scan_page import cause, number, size, spoken
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]"]
     rows = [

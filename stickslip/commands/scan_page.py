@@ -73,7 +73,7 @@ def _changed(result: "ScanResult") -> "list[Section]":
 
 def _groups(result: "ScanResult") -> "list[Section]":
     from stickslip.commands.report.page import Section, table_to_html
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     found: dict[str, list[Row]] = {}
     for row in result.table.iter_rows(named=True):
@@ -99,7 +99,7 @@ def _groups(result: "ScanResult") -> "list[Section]":
 
 def _simulated(simulations: Sequence[Row]) -> "list[Section]":
     from stickslip.commands.report.page import Section, table_to_html
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     if not simulations:
         return []
@@ -125,7 +125,7 @@ def _simulated(simulations: Sequence[Row]) -> "list[Section]":
 
 def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -> "Section":
     from stickslip.commands.report.page import Section, ordered_table
-    from stickslip.detect.chances import chance
+    from stickslip.logs.chances import chance
 
     shown = f"the first {len(rows)} of {len(result.table)}" if len(rows) < len(result.table) else f"{len(rows)} loops"
     section = Section("All loops", shown, "open", "")

@@ -102,7 +102,7 @@ def test_a_load_that_wants_to_be_far_slower_than_every_fit_lets_it_is_a_gap_of_n
     report = diagnose(tank(time=5.0), log, catalogue=known, limits=False)
     assert [cause.effect for cause in report.causes] == ["unknown"]
     assert "feed.correlation_time at its bound" in str(report)
-    assert "Probability of this answer: 0.75." in str(report)
+    assert "Probability of this answer: 75 %." in str(report)
 
 
 def test_what_lies_in_the_path_of_a_set_point_is_looked_for_only_where_it_moves() -> None:

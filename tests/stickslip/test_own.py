@@ -20,6 +20,9 @@ def detect(record):
     return Verdict("mine", "no_stiction", 0.25, 1.0, "A quarter of the limit.")
 
 
+wired = loop()
+
+
 def five():
     return 5
 
@@ -65,6 +68,12 @@ def test_a_case_of_ones_own_is_simulated_linearised_and_studied(call, own, tmp_p
     assert json.loads(call("linearise", f"{own}:loop", "--json", "-").stdout)["stable"]
     done = call("study", f"{own}:loop", "--vary", "process.K=1,2", "--duration", "60", "--out", tmp_path / "study")
     assert done.exit_code == 0 and "2 runs" in done.stdout
+
+
+def test_a_diagram_that_stands_in_the_file_is_taken_as_it_is(call, own):
+    # python-control calls a system with its inputs: "missing 1 required positional argument: 'u'"
+    found = [json.loads(call("simulate", f"{own}:{name}", "--json", "-").stdout) for name in ("loop", "wired")]
+    assert found[0]["final"] == found[1]["final"]
 
 
 @pytest.mark.parametrize(

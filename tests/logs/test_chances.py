@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stickslip.cases.stories import EXPORTS
 from stickslip.detect import diagnose
-from stickslip.detect.chances import chance
 from stickslip.logs import read_loop
+from stickslip.logs.chances import chance
 
 
 @given(st.floats(0.0, 1.0))
