@@ -139,7 +139,7 @@ def extended(  # type: ignore[no-untyped-def]
     columns = spread.shape[1]
     D[:, :columns] = spread
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
-    kinds, known = np.zeros((KINDS, I[N_BLOCKS] + len(modes)), dtype=np.int64), np.full(KINDS, -1)
+    kinds, known = np.zeros((KINDS, I[N_BLOCKS] + len(modes) + 1), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
@@ -164,7 +164,7 @@ def extended(  # type: ignore[no-untyped-def]
         read(W, places[1], behind)
         read(W, shown, y)
         columns = narrowed(D, columns, size, q)
-        slot = same_kind(base_I, I, base_W, modes, kinds, known, times, phi, sd, k)
+        slot = same_kind(base_I, I, base_W, W, modes, kinds, known, times, phi, sd, k)
         width, like = -1, which[known[slot]] if slot >= 0 and known[slot] >= 0 else -1  # slopes of a stop of its kind
         if like >= 0:
             width = foretold(A[like], B[like], H[like], G[like], sd[k], D, columns, E, Y, z, behind, y,
