@@ -75,10 +75,18 @@ def _left(one: Mistake) -> Loss:
         left = Hypothesis(frame).filtered({})
     except (GapError, ArithmeticError, ValueError):
         return NOWHERE
-    return _size(left.e[frame.skipped :], left.S[frame.skipped :], one.density)
+    return size_of(left.e[frame.skipped :], left.S[frame.skipped :], one.density)
 
 
-def _size(e: Floats, S: Floats, density: float) -> Loss:
+def size_of(e: Floats, S: Floats, density: float) -> Loss:
+    """Return L of innovations and their variances, with ``density`` [nats], and the mean of ln(1 + e^2); infinite where
+    no value is known.
+
+    >>> size_of(np.full((3, 1), np.nan), np.full((3, 1), np.nan), 0.0)
+    (inf, inf)
+    """
     known = np.isfinite(e) & (S > 0.0)
+    if not known.any():
+        return NOWHERE
     size = np.log1p(e[known] ** 2)
     return float(size.sum() + 0.5 * np.log(S[known]).sum()) + density, float(size.mean())

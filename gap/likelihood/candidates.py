@@ -59,16 +59,20 @@ def by_score(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = N
 def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
     """Return sizes of every hypothesis that are fitted to first rows, each with filters of its own, the best first.
 
-    The gains of a model that is far from the log say nothing of other models.
+    The gains of a model that is far from the log say nothing of other models.  One of which no first size is likelier
+    than the model as it is stated goes no further.
     """
     short = first_rows(null)
     start = tried(Hypothesis(short), null.best.values)
     if start is None:
         return by_score(rough, hypotheses, progress)
     alone = refined(with_switches(start), tuple(short.free), SPRINT)
+    still = tried(Hypothesis(replace(short, apart=True)), short.stated)
     whole = null.hypothesis.frame  # a limit is met behind a switch
     return _each(
-        hypotheses, lambda one: _at_limits(null, one.of(whole)) if one.bends else _raced(alone, rough, one), progress
+        hypotheses,
+        lambda one: _at_limits(null, one.of(whole)) if one.bends else _raced(alone, still, rough, one),
+        progress,
     )
 
 
@@ -96,7 +100,7 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     near = None if alone else null.best
     tries = sizes(null, one)
     for size in tries[1::2] if alone else tries:  # along one direction, where each costs a filter
-        found = tried(one, {**at, **size}, near, FIRST_RUNS)
+        found = tried(one, {**at, **size}, near, FIRST_RUNS, null.best if alone else None)
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
@@ -126,11 +130,13 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     return Candidate(one, best.values, null.nll - best.nll, None if scored is None else scored[1])
 
 
-def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
-    """Return sizes fitted to the rows of ``alone``, the model without an effect; ``rough``: it in all rows."""
+def _raced(alone: Fit, still: Innovations | None, rough: Fit, one: Hypothesis) -> Candidate | None:
+    """Return sizes fitted to the rows of ``alone``, the model without an effect; ``still`` as it is stated, ``rough``
+    in all rows.
+    """
     if _races(one):
         short = alone.hypothesis.frame
-        best = _on_first_rows(short, rough, one)
+        best = _on_first_rows(short, still, rough, one)
         share = len(short.record.log) / len(rough.hypothesis.frame.record.log)
         gain = 0.0 if best is None else (alone.nll - best.nll) / share  # as much in all rows
     else:
@@ -144,14 +150,16 @@ def _raced(alone: Fit, rough: Fit, one: Hypothesis) -> Candidate | None:
     return Candidate(one, {**one.frame.stated, **own}, gain, None if scored is None else scored[1])
 
 
-def _on_first_rows(short: Frame, rough: Fit, one: Hypothesis) -> Innovations | None:
-    """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them."""
+def _on_first_rows(short: Frame, still: Innovations | None, rough: Fit, one: Hypothesis) -> Innovations | None:
+    """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them; None
+    where no first size is likelier than ``still``, the model as it is stated.
+    """
     part = one.of(replace(short, apart=True))
-    best: Innovations | None = None
+    best = still
     for size in sizes(rough, one):
         ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
         best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
-    if best is None:
+    if best is None or best is still:
         return None
     for name in free_names(part):
         best = _further(best, name) if name in part.own else best

@@ -17,13 +17,14 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.statement import BEYOND
 
 Floats = NDArray[np.float64]
-FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
+FACTORS = (0.75, 0.92, 0.97, 1.03, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES, APART = 5, 3.0  # of a size whose neutral value is none at all, at least, and their ratio, at most
 CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that a limit would cut
 EVEN = 1e-6  # share of an interval by which a scan may differ from it
 FURTHER = (0.0, 0.2, 0.5, 1.0)  # shares of what a signal may go further between two rows
 SLOWER = (*range(2, 13), 15, 20, 30, 60)  # times the model's scan
+AT_LEAST = 0.5  # of the share of rows at which an output stands still that scans as seldom
 FIRSTS = 4  # first scans of each that are tried, at most, where each costs a run of the diagram
 STANDS = 3  # rows at which a signal stands at its limit, at least
 CALM = 4.0  # standard deviations from which on innovations propose no load
@@ -62,7 +63,7 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
 
 
 def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
-    """Return scans that the model's controller does not have."""
+    """Return scans that the model's controller does not have, none so slow that its output would stand still more."""
     f, own = one.frame, one.nominal["period"]
     signal = str(f.model[one.place].output_labels[0])
     values = f.Y[:, f.signals.index(signal)] if signal in f.signals else np.full(len(f.Y), np.nan)
@@ -75,7 +76,11 @@ def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
             for offset in _firsts(round(own * k / f.scans.period), null.best.gains is None)
             for present in (1.0, 0.0)
         ]
-    return [size for size in found if size["period"] != own]
+    still = float(np.mean(np.diff(values[good]) == 0.0)) if good.sum() > 1 else 0.0
+    return [
+        size for size in found
+        if size["period"] != own and still >= AT_LEAST * (1.0 - f.record.log.dt / size["period"])
+    ]  # fmt: skip
 
 
 def _firsts(count: int, exact: bool) -> list[int]:

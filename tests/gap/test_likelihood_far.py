@@ -122,3 +122,15 @@ def test_a_historian_that_compresses_is_named_by_its_lines() -> None:
     other = Log(log.t, {**{s: log[s] for s in log.names}, "PV": np.round(drawn, 4)})
     (cause,) = diagnose(tank(), other, limits=False).causes
     assert (cause.effect, cause.place) == ("compression", "historian")
+
+
+def test_an_output_that_moves_at_every_row_scans_no_more_seldom_than_rows_come() -> None:
+    # 254 slower scans cost a filter each, and a loop whose sensor rounds took over 5 minutes for them
+    f = framed(tank(), logged(tank(), 8))
+    null = unfitted(Hypothesis(f).filtered({}))
+    periods = {size["period"] for size in sizes(null, Hypothesis(f, effect("scan_time"), "controller"))}
+    assert periods and max(periods) <= 2.0 * f.record.log.dt
+    held = framed(tank(), logged(tank(), 8, every=1.0))  # the scan is 2 s: every other row is as the one before
+    null = unfitted(Hypothesis(held).filtered({}))
+    periods = {size["period"] for size in sizes(null, Hypothesis(held, effect("scan_time"), "controller"))}
+    assert {4.0, 6.0} <= periods
