@@ -66,6 +66,8 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
         loop = exact.scanned(params, sizes, cut=given(f.model, one.place))
     except NotAffine:
         return None
+    if (loop.period > 1).any():
+        return None
     again = np.full(f.anew.shape, -1)
     for c, unsure in enumerate(exact.scans.unsure):
         again[unsure, f.signals.index(exact.ops[c])] = c

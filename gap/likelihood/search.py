@@ -122,7 +122,7 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
         band = next((f for f in found if _is_without_jump(f.hypothesis, mine)), None)
         most = max((null.nll - f.nll for f in found), default=0.0)
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
-            if mine.bare is None:  # what no play explains to some part a stem that jumps hardly ever explains
+            if not mine.cheap:  # what no play explains to some part a stem that jumps hardly ever explains
                 return None
             band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))

@@ -106,18 +106,20 @@ class Statement:
 
     @cached_property
     def bare(self) -> Exact | None:
-        """The Kalman filter of the model without the effect, which has a bank of stems of its own; None where the model
-        bends, rows are not in step with its scans, or one controller scans more slowly than others.
-        """
+        """The Kalman filter of the model without the effect, None where rows are not in step with its scans."""
         f = self.frame
-        if f.scans is None:
-            return None
-        found = Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+
+    @cached_property
+    def cheap(self) -> bool:
+        """Whether a bank of stems takes little time: in a loop that is linear else, whose controllers scan alike."""
+        if self.bare is None:
+            return False
         try:
-            loop = found.scanned(*self.stated_of(found, self.nominal), cut=given(f.model, self.place))
+            loop = self.bare.scanned(*self.stated_of(self.bare, self.nominal), cut=given(self.frame.model, self.place))
         except NotAffine:
-            return None
-        return None if (loop.period > 1).any() else found
+            return False
+        return not bool((loop.period > 1).any())
 
     @cached_property
     def drawing(self) -> frozenset[str]:

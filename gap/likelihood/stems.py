@@ -88,7 +88,7 @@ def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None, within: 
     one = one.of(replace(one.frame, draws=BETWEEN))
     banks = sorted(_looked_at(null, one, without), key=lambda bank: min(map(_nll, bank.trials)))
     near = [bank for bank in banks if min(map(_nll, bank.trials)) <= within]
-    fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]  # each takes little
+    fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]
     return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
 
 
@@ -122,7 +122,7 @@ def _looked_at(null: Fit, one: Hypothesis, without: Fit | None) -> list[Bank]:
         if bank is None:
             continue
         still = None if without is not None else bank.tried(_without_band(one))
-        pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []  # where each costs little
+        pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
         for size in [*(_bands(one) if without is None else _jumps(without)), *pairs]:
             bank.tried(size)
         best = bank.best()

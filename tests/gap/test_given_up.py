@@ -44,7 +44,7 @@ def test_what_is_nearly_as_likely_is_followed_to_its_end_and_what_is_hopeless_is
 
 def test_a_bank_of_stems_is_given_up_as_well(known):
     one = Hypothesis(known.hypothesis.frame, effect("deadband"), "valve")
-    assert one.bare is None  # the tank is no line, though its rows are in step with its scans
+    assert one.bare is not None and not one.cheap  # its rows are in step with its scans, but the tank is no line
     (name,) = one.own
     bank = Bank(one, dict(one.frame.stated), known.hypothesis.filtered({}, joined=True), 4)
     best = bank.tried({name: 0.1})
