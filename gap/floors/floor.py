@@ -25,7 +25,7 @@ from stickslip.engine.run import Settings
 from stickslip.gap.insertion.paths import made_of
 from stickslip.gap.insertion.scales import time_scale
 from stickslip.gap.records.offsets import offsets
-from stickslip.gap.records.record import Record
+from stickslip.gap.records.record import GapError, Record
 from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
@@ -257,6 +257,11 @@ def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
 def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
     """Return the noise floor of a model for records like this one, and the logs of the runs that gave it."""
     logs = without_gap(model, record, runs, seed)
+    if not logs:
+        raise GapError(
+            f"none of {runs} runs of the model over the times of the log came to its end, so nothing says what is "
+            "usual; simulate the model alone with the log's inputs, and mend what stops it"
+        )
     found = offsets(quiet, record, logs=logs)
     # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their
     # level says nothing, however well the model keeps it.

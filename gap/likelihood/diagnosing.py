@@ -82,19 +82,29 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
         return None
     quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
-    given = Given(model.starting_at(start_values(quiet, record)))
-    frame = Frame(given, record)
+    frames = (Frame(Given(model.starting_at(start)), record) for start in (start_values(quiet, record), {}))
+    try:
+        return next((found for frame in frames if (found := _followed(frame, asked)) is not None), None)
+    except NoFilter:
+        return None
+
+
+def _followed(frame: Frame, asked: bool) -> Frame | None:
+    """Return a frame whose filter follows the record; None where it does not from such a start.
+
+    Raises ``NoFilter`` for a model that has none from any.
+    """
     try:
         alone = Hypothesis(frame)
         exactly = alone.exactly(alone.nominal)
         if exactly is not None and not felt(exactly):
             return frame
-        alone = Hypothesis(replace(frame, doubts=rounded(record)))
-        if len(model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
-            return None
+        alone = Hypothesis(replace(frame, doubts=rounded(frame.record)))
+        if len(frame.model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
+            raise NoFilter(f"the model has more than {MOST_BLOCKS} blocks or {MOST_STATES} states")
         if asked:
             alone.filtered({})
-    except (NoFilter, ArithmeticError):
+    except ArithmeticError:
         return None
     return alone.frame
 

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood import phase
+from stickslip.gap.likelihood import diagnosing, phase
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.stems import Bank
+from stickslip.gap.records.model import read
 
 from tests.gap.root_tank import framed, logged, tank
 
@@ -66,3 +67,12 @@ def test_few_phases_of_a_scan_are_followed_in_all_rows(monkeypatch):
     assert found.nll < late.nll - phase.CLEAR
     assert found.hypothesis.frame.record.log.t[0] % 2.0 == pytest.approx(0.0, abs=0.3)
     assert sum(rows == len(log) for rows in asked) <= 3
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_start_from_which_no_run_ends_gives_way_to_the_one_that_is_stated(monkeypatch):
+    # where a log stands far from its model, the start that suits its first rows was a stem at 30,000 %
+    opened, record = read(MODEL, LOG)
+    monkeypatch.setattr(diagnosing, "start_values", lambda quiet, record: {"tank.h": 1e300})
+    frame = diagnosing.frame_of(opened, record)
+    assert frame is not None and frame.given.model["tank"].x0.tolist() == [1.0]
