@@ -14,12 +14,10 @@ from stickslip.gap.records.model import read
 
 from tests.gap.root_tank import framed, logged, tank
 
-MODEL, LOG = tank(), logged(tank(), 6)
-
 
 @pytest.fixture(scope="module")
 def known():
-    return Hypothesis(framed(MODEL, LOG)).filtered({})
+    return Hypothesis(framed(tank(), logged(tank(), 6))).filtered({})
 
 
 def test_the_sum_of_losses_at_which_another_is_given_up_is_its_own_and_a_margin(known):
@@ -54,8 +52,8 @@ def test_a_bank_of_stems_is_given_up_as_well(known):
 
 
 def test_few_phases_of_a_scan_are_followed_in_all_rows(monkeypatch):
-    log = logged(MODEL, 7, every=7.3, duration=10800.0)
-    late = Hypothesis(framed(MODEL, replace(log, t=log.t + 1.0))).filtered({})
+    log = logged(tank(), 7, every=7.3, duration=10800.0)
+    late = Hypothesis(framed(tank(), replace(log, t=log.t + 1.0))).filtered({})
     asked = []
 
     def followed(one, values):
@@ -72,7 +70,7 @@ def test_few_phases_of_a_scan_are_followed_in_all_rows(monkeypatch):
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_a_start_from_which_no_run_ends_gives_way_to_the_one_that_is_stated(monkeypatch):
     # where a log stands far from its model, the start that suits its first rows was a stem at 30,000 %
-    opened, record = read(MODEL, LOG)
+    opened, record = read(tank(), logged(tank(), 6))
     monkeypatch.setattr(diagnosing, "start_values", lambda quiet, record: {"tank.h": 1e300})
     frame = diagnosing.frame_of(opened, record)
     assert frame is not None and frame.given.model["tank"].x0.tolist() == [1.0]
