@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import Equations, SampledSensor
 from stickslip.cases.models import ideal_flow, site_flow
+from stickslip.diagram import wire
 from stickslip.gap.diagnosis import prepared
 from stickslip.gap.fits.robust import step
-from stickslip.gap.floors.floor import UNIT, floor_of, losses, residuals, skipped_rows
+from stickslip.gap.floors.floor import UNIT, floor_of, losses, measured, residuals, skipped_rows
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
 
 
@@ -102,3 +106,16 @@ def test_a_controller_at_its_limit_is_replayed_exactly(recorded):
     (fit,) = Candidate(problem, problem.quiet, effect("controller_limits"), "controller").tried([{"high": 55.0}])
     assert (problem.record.log["OP"] >= 0.55).mean() > 0.02  # the record does reach the limit
     assert np.nanmax(np.abs(fit.e[:, 0])) < 100.0  # a ride along the limit that ends late costs 1e4
+
+
+def test_a_model_of_which_no_run_ends_is_said_to_be_one():
+    # x' = 10 x^3 is beyond all numbers after 0.05 s (analytic); the answer was "the logs have [] rows"
+    t = np.arange(200.0)
+    log = Log(t, {"u": np.zeros(200), "y": np.linspace(0.0, 0.1, 200)})
+    grows = Equations(
+        "process", der=lambda x, u, k: k * (x * x * x) + u, states={"x": 1.0}, params={"k": 10.0}, inputs="u"
+    )
+    model = wire([grows, SampledSensor(dt=1.0, sd=0.01, start=1.0, inputs="x", outputs="y")], inputs=["u"])
+    opened, record = read(model, log)
+    with pytest.raises(GapError, match=r"none of 40 runs .* came to its end"):
+        measured(opened, silenced(opened), record, 40, 1)
