@@ -16,7 +16,7 @@ Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 import math
 
 import numpy as np
-from stickslip.engine.filtering import BEHIND
+from stickslip.engine.filtering import BEHIND, huber
 from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
 from stickslip.engine.slopes import arrived
 from stickslip.logs.compiled import njit
@@ -105,9 +105,7 @@ def banked(  # type: ignore[no-untyped-def]
                     off[j, i] = math.nan
                     continue
                 off[j, i] = values[row, i] - y[i]
-                size = abs(off[j, i]) / math.sqrt(S[row, i])
-                less = min(size, far)
-                loss[j] += 0.5 * less * less + far * (size - less)
+                loss[j] += huber(off[j, i] / math.sqrt(S[row, i]), far)
                 by = (dither[row, j, i] - 0.5) * steps[i]
                 for p in range(m):
                     y[p] += gains[row, n + p, i] * off[j, i]

@@ -89,17 +89,21 @@ def followed(  # type: ignore[no-untyped-def]
     return 0
 
 
+@njit(inline="always", error_model="numpy")
+def huber(off, far):  # type: ignore[no-untyped-def]
+    """Return the loss of a value ``off`` by so many standard deviations [nats], in proportion beyond ``far``."""
+    size = abs(off)
+    near = min(size, far)
+    return 0.5 * near * near + far * (size - near)
+
+
 @njit(cache=True, nogil=True, error_model="numpy", inner=True)
 def loss_of(e, S, sure, far):  # type: ignore[no-untyped-def]
-    """Return the loss of the values of one row [nats], in proportion beyond ``far``; ``sure`` (m,) is that of a value
-    without variance.
-    """
+    """Return the loss of the values of one row [nats]; ``sure`` (m,) is that of a value without variance."""
     loss = 0.0
     for i in range(len(e)):
         if S[i] == S[i]:
-            off = abs(e[i])
-            near = min(off, far)
-            loss += 0.5 * near**2 + far * (off - near) + 0.5 * math.log(S[i])
+            loss += huber(e[i], far) + 0.5 * math.log(S[i])
         else:
             loss += sure[i]
     return loss

@@ -58,15 +58,13 @@ def left_by_bank(
 def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) -> Innovations | None:
     """Return what a bank of stems leaves in a loop that is linear and scanned else; None in any other."""
     f, exact = one.frame, one.bare
-    if exact is None or one.effect is None:
+    if exact is None or one.effect is None or not one.cheap:
         return None
     band, *jump = (one.settings(values)[f"{one.effect.block(one.place)}.{name}"] for name in one.own)
     try:
         params, sizes = one.stated_of(exact, values)
         loop = exact.scanned(params, sizes, cut=given(f.model, one.place))
     except NotAffine:
-        return None
-    if (loop.period > 1).any():
         return None
     again = np.full(f.anew.shape, -1)
     for c, unsure in enumerate(exact.scans.unsure):
