@@ -8,6 +8,9 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.floors.floor import settling_rows
+from stickslip.gap.floors.cache import keep, kept
+from stickslip.gap.floors.floor import measured
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
@@ -78,9 +81,15 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
-    if not any(one.correlation_time > 0.0 for one in nuisances(model)):
-        return None
     quiet = silenced(model)
+    if not any(one.correlation_time > 0.0 for one in nuisances(model)):
+        start = start_values(quiet, record)
+        begun = model.starting_at(start)
+        floor = kept(begun, record)
+        if floor is None:
+            floor, _ = measured(begun, quiet.starting_at(start), record, 40, 1)
+            keep(begun, record, floor)
+        return Replays(Given(begun), record, floor=floor)
     record = settled_behind_holes(quiet, record)
     frames = (Frame(Given(model.starting_at(start)), record) for start in (start_values(quiet, record), {}))
     try:

@@ -43,6 +43,11 @@ class Frame(Held):
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
 
     @property
+    def replays(self) -> bool:
+        """Whether hypotheses are replayed, not followed by a filter."""
+        return False
+
+    @property
     def free(self) -> dict[str, tuple[float, float]]:
         """What is fitted with every hypothesis."""
         return self.given.free

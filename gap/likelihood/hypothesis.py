@@ -1,7 +1,7 @@
 """A hypothesis of a record, an effect at a place or none, and the innovations that its filter leaves."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +16,8 @@ from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
+from stickslip.gap.likelihood.replay import left_by_replays
+from stickslip.gap.records.model import silenced
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.records.record import Record
@@ -58,6 +60,11 @@ class Hypothesis(Statement):
         """
         f = self.frame
         full = {**self.nominal, **values}
+        if f.replays:
+            (found,) = self.replayed([full])
+            if found is None:
+                raise ArithmeticError("a replay of the diagram failed")
+            return found
         if near is None and (known := self.latest.get((f.record, f.draws, joined))) and known.values == full:
             return replace(known, hypothesis=self)
         exactly = None if joined else self.exactly(full)
@@ -97,6 +104,15 @@ class Hypothesis(Statement):
         self.latest[f.record, f.draws, joined] = found
         return found
 
+    def replayed(self, many: "Sequence[Mapping[str, float]]", modes: bool = True) -> "list[Innovations | None]":
+        """Return what replays of each of many sets of values leave, None of those that fail."""
+        full = [{**self.nominal, **values} for values in many]
+        none = np.zeros(len(self.frame.Y), dtype=np.bool_), np.zeros((0, 0))
+        return [
+            None if one is None else Innovations(self, own, one[0], one[1], None, *none, charge=one[2])
+            for own, one in zip(full, left_by_replays(self, full, modes), strict=True)
+        ]
+
     def exactly(self, values: Mapping[str, float]) -> "Innovations | None":
         """Return what the exact filter leaves, None where there is none."""
         if self.exact is None:
@@ -128,6 +144,9 @@ class Hypothesis(Statement):
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""
         other = replace(self, frame=frame)
+        if self.frame.replays:
+            other.__dict__.update(silent=self.silent)
+            return other
         other.__dict__.update(prepared=self.prepared, latest=self.latest)
         if "exact" in self.__dict__ and self.frame.scans is not None:
             there = None if self.exact is None or frame.scans is None else self.exact.of(frame.record, frame.scans)
@@ -167,7 +186,13 @@ class Hypothesis(Statement):
     @cached_property
     def noise_keys(self) -> frozenset[str]:
         """The parameters that only make the random numbers of the model larger, or slower."""
-        return frozenset(f"{one.block}.{key}" for one, _ in self.prepared.noise for key in ("sd", "correlation_time"))
+        sources = self.frame.noise if self.frame.replays else tuple(one for one, _ in self.prepared.noise)
+        return frozenset(f"{one.block}.{key}" for one in sources for key in ("sd", "correlation_time"))
+
+    @cached_property
+    def silent(self) -> Diagram:
+        """The changed model without random numbers."""
+        return silenced(self.changed)
 
     def noise_with(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""
@@ -193,7 +218,7 @@ class Hypothesis(Statement):
 
     def adds_to(self, other: "Hypothesis") -> bool:
         """Return whether it has a state that another has not, which the gains of the other would not set right."""
-        return not {*self.names} <= {*other.names}
+        return not self.frame.replays and not {*self.names} <= {*other.names}
 
     @cached_property
     def names(self) -> list[str]:
@@ -269,6 +294,7 @@ class Innovations:
     near: "Innovations | None" = None
     mixed: Floats | None = None
     stem: Floats | None = None
+    charge: float = 0.0
 
     def again(self) -> "Innovations":
         """Return the same values with slopes and a path of their own."""
@@ -323,7 +349,7 @@ class Innovations:
     def nll(self) -> float:
         """Negative logarithm of the likelihood of the rows that count [nats]."""
         with np.errstate(over="ignore", invalid="ignore"):  # gains of one model may drive another away
-            value = float(self.losses[self.hypothesis.frame.counted].sum())
+            value = float(self.losses[self.hypothesis.frame.counted].sum()) + self.charge
         return value if math.isfinite(value) else math.inf
 
     @cached_property

@@ -99,6 +99,8 @@ def likelier(fit: Fit, null: Fit, unsure: float = 0.0) -> str:
 
     ``unsure``: by how much a rival may lag behind and still not be told from the effect [nats].
     """
+    if fit.hypothesis.frame.replays:
+        return ""
     own = price(fit) - unsure
     for rival in (*_same_plans(fit), *_random_alone(fit, null)):
         if price(rival) < own:
@@ -112,7 +114,7 @@ def beside_random(fit: Fit, verdict: Verdict) -> Verdict:
 
     2 (nats gained) is 0 in half of all records if the effect is right, else chi-squared of one degree.
     """
-    if fit.hypothesis.hides:
+    if fit.hypothesis.hides or fit.hypothesis.frame.replays:
         return verdict
     both = Hypothesis(with_effect(fit))
     start = tried(both, {**both.frame.stated, **{key: fit.best.values[key] for key in fit.hypothesis.frame.free}})

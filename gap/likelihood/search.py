@@ -14,6 +14,7 @@ from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.phase import in_phase
+from stickslip.gap.likelihood.replayed_stems import replayed_stem
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, resting, settled_stem
@@ -86,7 +87,7 @@ def fitted(
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
-    chosen += [c for c in found[TRIED:] if c.hypothesis.hides]
+    chosen += [c for c in found[TRIED:] if c.hypothesis.effect.hidden]
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
@@ -126,6 +127,8 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
                 return None
             band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
+    if mine.frame.replays and mine.effect is not None and mine.effect.hidden:
+        return replayed_stem(null, mine)
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):
         start = with_likelier_loads(start)  # a random load has stood for the planned one

@@ -37,7 +37,7 @@ class Statement:
     @property
     def hides(self) -> bool:
         """Whether its effect has a mode that no log shows."""
-        return self.effect is not None and self.effect.hidden
+        return self.effect is not None and self.effect.hidden and not self.frame.replays
 
     @property
     def bends(self) -> bool:

@@ -1,0 +1,88 @@
+"""What a model without wandering loads leaves of a record: a pinned replay tells all that a filter would.
+
+Nothing is to be estimated there: what drives each block is logged, or follows from what is.  Each row's residual is
+white but for what runs of the model themselves show (``stickslip.gap.floors.floor``), so its innovations are
+
+    e = L^-1 (r_k - sum_j A_j r_(k-j)) / factor          factor: of the noise of the sensor that gives the signal
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.diagram.inputs import close, source_name
+from stickslip.gap.floors.floor import Floor
+from stickslip.gap.floors.modes import CHARGE, branches_of
+from stickslip.gap.insertion.paths import noise_of
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.records.offsets import branched
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Replays(Frame):
+    """A frame whose hypotheses are replayed; ``floor`` what replays of runs without a gap leave."""
+
+    floor: Floor = field(kw_only=True)
+
+    @property
+    def replays(self) -> bool:
+        return True
+
+    @cached_property
+    def scans(self) -> None:
+        """None: no filter follows it."""
+        return None
+
+    @property
+    def skipped(self) -> int:
+        """Rows at the beginning that are not judged."""
+        return self.floor.skipped
+
+    @cached_property
+    def factors(self) -> dict[str, tuple[str, ...]]:
+        """The noise whose size is that of a signal's residuals: block of the noise -> signals."""
+        found: dict[str, list[str]] = {}
+        for s in self.signals:
+            sensor = self.model.blocks[self.model.driven[s][0]]
+            block = noise_of(self.model, sensor)
+            if block:
+                found.setdefault(block, []).append(s)
+        return {block: tuple(signals) for block, signals in found.items()}
+
+
+def left_by_replays(one: Any, many: Sequence[Mapping[str, float]], modes: bool = True) -> list[tuple[Floats, Floats, float] | None]:
+    """Return innovations (rows, signals), their variances, and what modes cost that were set right, of each run; None
+    for one that fails.
+    """
+    f, record, diagram = one.frame, one.frame.record, one.silent
+    settings = [one.settings(values) for values in many]
+    moving = {*record.leads, *record.ramps} & {*record.played}
+    if moving:
+        diagram = close(diagram, {s: record.source(s, name=source_name(diagram, s)) for s in moving})
+        record = replace(record, played=tuple(s for s in record.played if s not in moving))
+    keys = [k for k in settings[0] if k not in one.drawing]
+    params = {k: np.array([own[k] for own in settings]) for k in keys}
+    branches = branches_of(diagram, f.quiet, record, f.floor, params) if modes else None
+    found, kept = branched(diagram, record, params, branches=branches, workers=1)
+    if not keys and len(many) > 1:
+        raise AssertionError
+    columns = [record.pinned.index(s) for s in f.signals]
+    unit = np.diag(f.floor.L)[columns]
+    left = f.floor.innovations(found)[..., columns]
+    results: list[tuple[Floats, Floats, float] | None] = []
+    for own, e0, charge in zip(settings, left, kept, strict=True):
+        if np.isnan(e0).all():
+            results.append(None)
+            continue
+        factor = np.ones(len(f.signals))
+        for block, signals in f.factors.items():
+            for s in signals:
+                factor[f.signals.index(s)] = own[f"{block}.sd"] / f.given.base.stated[f"{block}.sd"]
+        e = np.concatenate([np.full((f.floor.skipped, len(f.signals)), np.nan), e0 / factor])
+        results.append((e, np.where(np.isnan(e), np.nan, (unit * factor) ** 2), CHARGE * float(charge)))
+    return results
