@@ -95,6 +95,8 @@ def _diagnosed(
     """Return the diagnosis of a record through a model whose logged sources are open."""
     stem = logged_stem(opened, record)
     frame = frame_of(opened, stem.without(record) if stem else record)
+    if frame is not None and frame.replays:
+        stem, frame = None, frame_of(opened, record)
     if frame is not None:
         return told_by_likelihood(
             outcome(frame, catalogue, seed, progress, stem), limits, seed, kept_calibration(opened, record).sureness

@@ -227,7 +227,7 @@ def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
     if price(fit) > min(price(found) + pays + TIE, price(alone.fits[0])):
         return None
     best = judged(fit, [], seed)
-    if not enough(fit, best, alone.alone):
+    if not enough(fit, best, alone.alone, alone.null):
         return None
     fits = (fit, *alone.fits)
     return replace(alone, fits=fits, best=best, named=_not_told_apart(fits))
@@ -261,10 +261,10 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
-    good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
+    good = price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
     if good:
         best = beside_random(fits[0], best)
-        good = enough(fits[0], best, alone) and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
+        good = enough(fits[0], best, alone, null) and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)

@@ -14,6 +14,7 @@ from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, UNSURE
+from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.replay import left_by_replays
@@ -327,9 +328,12 @@ class Innovations:
         """Loss of the values of each row that have a variance, (rows,) [nats]."""
         if self.mixed is not None:
             return self.mixed
-        size = np.abs(self.e)
-        near = np.minimum(size, FAR)
-        loss = 0.5 * near**2 + FAR * (size - near)
+        if self.hypothesis.frame.replays:
+            loss = losses(self.e)
+        else:
+            size = np.abs(self.e)
+            near = np.minimum(size, FAR)
+            loss = 0.5 * near**2 + FAR * (size - near)
         return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
 
     @cached_property
@@ -343,6 +347,8 @@ class Innovations:
     def weights(self) -> Floats:
         """Weight of each innovation in a fit, (rows, signals): 1, less beyond ``FAR``; 0 where there is none."""
         size = np.abs(self.e)
+        if self.hypothesis.frame.replays:
+            return np.asarray(np.where(np.isfinite(size), (NU + 1.0) / (NU * UNIT**2 + size**2), 0.0))
         return np.asarray(np.where(np.isfinite(size), np.minimum(1.0, FAR / np.maximum(size, 1e-300)), 0.0))
 
     @cached_property

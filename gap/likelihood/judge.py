@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.floors.floor import losses, without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
@@ -64,7 +64,10 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     directions = [*_apart(fit, away), *constancy(fit)]
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
-    name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
+    begun = fit if mine is None else replace(fit, best=mine)
+    if f.replays:
+        return _of_replays(fit, directions, seed)
+    name, size = largest(begun, directions)
     usual = []
     runs = RUNS_OF_BANK if one.hides else RUNS
     for log in _runs(fit, runs, seed + 1):
@@ -73,15 +76,44 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
             usual.append(largest(replace(fit, best=left), directions)[1])
     if len(usual) < runs // 2:
         return Verdict(size, name, 1.0, math.inf)
-    low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
-    least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
-    b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
-    a = float(middle) - _gumbel(QUARTILES[1]) * b
-    found = Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+    found = _placed(name, size, usual, fit, directions)
     if found.unusual:
         return found
     at, beyond = _beyond(fit)
     return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
+
+
+def _of_replays(fit: Fit, directions: Sequence[tuple[str, Floats]], seed: int) -> Verdict:
+    """Return how unusual the innovations of a replay are: rounding is not quite white, and its runs say how much not."""
+    one, f = fit.hypothesis, fit.hypothesis.frame
+    mine = _figures(fit, directions)
+    runs: list[dict[str, float]] = []
+    for log in _runs(fit, RUNS, seed + 1):
+        left = tried(one.of(replace(f, record=replace(f.record, log=log))), fit.best.values)
+        if left is not None:
+            runs.append(_figures(replace(fit, best=left), directions))
+    if len(runs) < RUNS // 2:
+        return Verdict(math.inf, "its runs fail", 1.0, math.inf)
+    names = [name for name in mine if all(name in own for own in runs)]
+    found = np.array([[own[name] for name in names] for own in runs])
+    own = np.array([mine[name] for name in names])
+
+    def size(x: Floats, others: Floats) -> Floats:
+        return np.abs(x - others.mean(axis=0)) / np.maximum(others.std(axis=0, ddof=1), 1.0)
+
+    usual = [float(size(found[k], np.delete(found, k, axis=0)).max()) for k in range(len(found))]
+    sizes = size(own, found)
+    k = int(np.argmax(sizes))
+    return _placed(names[k], float(sizes[k]), usual, fit, directions)
+
+
+def _placed(name: str, size: float, usual: list[float], fit: Fit, directions: Sequence[tuple[str, Floats]]) -> Verdict:
+    """Return where the largest figure lies among those of runs."""
+    low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
+    least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
+    b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
+    a = float(middle) - _gumbel(QUARTILES[1]) * b
+    return Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
 
 
 def _beyond(fit: Fit) -> tuple[str, float]:
@@ -135,13 +167,23 @@ def _gumbel(share: float) -> float:
     return -math.log(-math.log(share))
 
 
-def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
+def explained(fit: Fit, null: Fit) -> float:
+    """Return the share of a gap that an effect explains."""
+    f = fit.hypothesis.frame
+    level = f.floor.mean * float(np.isfinite(null.best.e[f.skipped :]).mean()) * (len(f.Y) - f.skipped)
+    before, after = (float(losses(x.best.e[f.skipped :]).sum()) for x in (null, fit))
+    return (before - after - fit.best.charge) / max(before - level, 1e-9)
+
+
+def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit) -> bool:
     """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves.
 
     A fit whose own runs fail, where those of the model alone do not, wrote no such log.
     """
     if math.isinf(verdict.limit) and math.isfinite(alone.limit):
         return False
+    if fit.hypothesis.frame.replays and explained(fit, null) >= (0.85 if fit.hypothesis.effect.hidden else 0.94):
+        return True
     return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 
 
@@ -159,6 +201,11 @@ def figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> int:
 
 def _figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> dict[str, float]:
     found = checks(fit.best)
+    if fit.hypothesis.frame.replays:
+        f = fit.hypothesis.frame
+        e = fit.best.e[f.skipped :]
+        n = float(np.isfinite(e).mean()) * len(e)
+        found["loss"] = (float(losses(e).sum()) - f.floor.mean * n) / max(f.floor.sd * math.sqrt(n), 1e-9)
     calm = np.nan_to_num(fit.best.e) * trusted(fit)
     return found | {name: float(np.sum(calm * d)) for name, d in directions}
 

@@ -20,6 +20,7 @@ Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
 TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
 LATE = 1e-6  # share of an interval by which a switch stays behind the row before
+SHOWN = 15.0  # nats by which rows behind a switch at a wrong instant are less likely than others
 GAIN = 1.0  # nats that other instants must gain
 
 
@@ -27,7 +28,7 @@ def with_switches(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that switch when it suits the record; the same if none does."""
     frame = now.hypothesis.frame
     switching = [s for s in frame.record.played if switches(frame.record.log, s)]
-    if not switching:
+    if not switching or not _shows(now, switching):
         return now
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
@@ -38,6 +39,17 @@ def with_switches(now: Innovations) -> Innovations:
         known = best.hypothesis.frame.record.leads
         best = _placed(best, {s: known.get(s, {}) for s in switching}, fine, most)
     return now if best is now else _likelier(now, best.hypothesis.frame)
+
+
+def _shows(now: Innovations, switching: Sequence[str]) -> bool:
+    """Return whether rows behind a switch are less likely than others, as those of one at a wrong instant are."""
+    frame = now.hypothesis.frame
+    if not frame.replays:
+        return True
+    lost = np.nan_to_num(now.losses)
+    usual = float(np.median(lost[frame.counted])) if frame.counted.any() else 0.0
+    rows = (k for s in switching for k in switch_rows(frame.record.log, s).tolist() if k >= frame.skipped)
+    return any(float(np.sum(lost[k : k + BEHIND] - usual)) > SHOWN for k in rows)
 
 
 def with_ramps(now: Innovations) -> Innovations:
