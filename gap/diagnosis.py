@@ -41,6 +41,7 @@ from stickslip.gap.hints.hinted import hints
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.diagnosing import frame_of, outcome
 from stickslip.gap.likelihood.logged_stem import logged_stem
+from stickslip.gap.likelihood.replay import replays_of
 from stickslip.gap.likelihood.telling import told as told_by_likelihood
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.usual import floor_of_record, suspected
@@ -95,8 +96,8 @@ def _diagnosed(
     """Return the diagnosis of a record through a model whose logged sources are open."""
     stem = logged_stem(opened, record)
     frame = frame_of(opened, stem.without(record) if stem else record)
-    if frame is not None and frame.replays:
-        stem, frame = None, frame_of(opened, record)
+    if frame is None:
+        stem, frame = None, replays_of(opened, record, seed)
     if frame is not None:
         return told_by_likelihood(
             outcome(frame, catalogue, seed, progress, stem), limits, seed, kept_calibration(opened, record).sureness

@@ -8,9 +8,6 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.floors.floor import settling_rows
-from stickslip.gap.floors.cache import keep, kept
-from stickslip.gap.floors.floor import measured
-from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
@@ -81,15 +78,9 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
-    quiet = silenced(model)
     if not any(one.correlation_time > 0.0 for one in nuisances(model)):
-        start = start_values(quiet, record)
-        begun = model.starting_at(start)
-        floor = kept(begun, record)
-        if floor is None:
-            floor, _ = measured(begun, quiet.starting_at(start), record, 40, 1)
-            keep(begun, record, floor)
-        return Replays(Given(begun), record, floor=floor)
+        return None
+    quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
     frames = (Frame(Given(model.starting_at(start)), record) for start in (start_values(quiet, record), {}))
     try:
@@ -171,14 +162,22 @@ def _likeliest(
             alone = replace(alone, gap=True)
         return replace(alone, stem=stem)
     alone = _explained(frame, catalogue, seed, progress)
-    if not alone.gap or alone.named or not alone.fits or not _promising(alone):
+    partly = bool(alone.named) and frame.replays and alone.best is not None and alone.best.unusual
+    if not alone.gap or (alone.named and not partly) or not alone.fits or not _promising(alone):
         return alone
     both = _with_second(alone.fits[0], catalogue, seed, progress)
     if both is None:
         return alone
+    if partly:  # the effect explains nearly all, and what it leaves may be another's, or its law's
+        return alone if not both.named or (both.best is not None and both.best.unusual) else _pair(alone, both)
     single = _single(alone, both, seed)
     if single is not None or not both.named:
         return single or alone
+    return _pair(alone, both)
+
+
+def _pair(alone: Outcome, both: Outcome) -> Outcome:
+    """Return that two effects explain a record."""
     same = [f for f in alone.fits if 0.0 <= price(f) - price(both.firsts[0]) <= TIE and not f.hypothesis.hides]
     return replace(both, null=alone.null, alone=alone.alone, firsts=same or both.firsts)
 

@@ -12,7 +12,7 @@ from stickslip.gap.likelihood.fit import Fit
 RUNS = 3
 STRETCHES = 20  # of a record
 ALL = 1.0  # of its movement
-RELEVANT = 0.01  # of a signal's movement: no plant computes like its model, and what is less is no gap
+RELEVANT = 0.005  # of a signal's movement: no plant computes like its model, and what is less is no gap
 
 
 def moved(with_effect: Fit, seed: int = 0) -> float:

@@ -13,11 +13,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close, source_name
-from stickslip.gap.floors.floor import Floor
+from stickslip.gap.floors.cache import keep, kept
+from stickslip.gap.floors.floor import Floor, measured
 from stickslip.gap.floors.modes import CHARGE, branches_of
 from stickslip.gap.insertion.paths import noise_of
 from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.linearised.filtered import filter_of
+from stickslip.gap.linearised.usual import floor_of_record, suspected
+from stickslip.gap.records.given import Given
+from stickslip.gap.records.model import silenced
+from stickslip.gap.records.record import FEWEST, GapError, Record
+from stickslip.gap.records.start import start_values
 from stickslip.gap.records.offsets import branched
 
 Floats = NDArray[np.float64]
@@ -44,6 +52,25 @@ class Replays(Frame):
         return self.floor.skipped
 
     @cached_property
+    def at_limit(self) -> NDArray[np.bool_]:
+        """Whether a logged signal is at a limit of the block that drives it, or was a moment ago, (rows,).
+
+        There the model is not linear, and a filter of it says nothing for some rows.
+        """
+        log = self.record.log
+        found = np.zeros(len(log), dtype=bool)
+        for s in self.record.pinned:
+            block = self.quiet.blocks[self.quiet.driven[s][0]]
+            if block.limit_params is None:
+                continue
+            low, high = block.limits
+            near = 1.5 * self.record.lattice(s)
+            found |= (log[s] <= low + near) | (log[s] >= high - near)
+        for back in range(1, AFTER_LIMIT):
+            found[back:] |= found[:-back] & True
+        return found
+
+    @cached_property
     def factors(self) -> dict[str, tuple[str, ...]]:
         """The noise whose size is that of a signal's residuals: block of the noise -> signals."""
         found: dict[str, list[str]] = {}
@@ -53,6 +80,37 @@ class Replays(Frame):
             if block:
                 found.setdefault(block, []).append(s)
         return {block: tuple(signals) for block, signals in found.items()}
+
+
+RUNS = 40  # of the model without a gap
+AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
+
+
+def replays_of(model: Diagram, record: Record, seed: int = 0) -> Replays:
+    """Return the frame of a model and a record of which no filter is made.
+
+    Raises ``GapError`` if no run of the model comes to its end, or too few rows are left once it has settled.
+    """
+    quiet = silenced(model)
+    filtered = filter_of(model, quiet, record)
+    record = record if filtered is None else filtered
+    start = start_values(quiet, record) if filtered is None else {}
+    model, quiet = model.starting_at(start), quiet.starting_at(start)
+    floor = None
+    if filtered is not None:
+        record, floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
+        record = suspected(quiet, record, floor, usual)
+    floor = floor or kept(model, record)
+    if floor is None:
+        floor, _ = measured(model, quiet, record, RUNS, seed + 1)
+        keep(model, record, floor)
+    left = len(record.log) - floor.skipped
+    if left < FEWEST:
+        raise GapError(
+            f"of the log's {len(record.log)} rows {max(left, 0)} are left once the model has settled, which is "
+            f"too few to tell a gap; give at least {floor.skipped + FEWEST}"
+        )
+    return Replays(Given(model), record, floor=floor)
 
 
 def left_by_replays(one: Any, many: Sequence[Mapping[str, float]], modes: bool = True) -> list[tuple[Floats, Floats, float] | None]:
@@ -74,6 +132,8 @@ def left_by_replays(one: Any, many: Sequence[Mapping[str, float]], modes: bool =
     columns = [record.pinned.index(s) for s in f.signals]
     unit = np.diag(f.floor.L)[columns]
     left = f.floor.innovations(found)[..., columns]
+    if f.floor.coloured and record.filter is None:
+        left[:, f.at_limit[f.floor.skipped :][: left.shape[1]]] = np.nan
     results: list[tuple[Floats, Floats, float] | None] = []
     for own, e0, charge in zip(settings, left, kept, strict=True):
         if np.isnan(e0).all():

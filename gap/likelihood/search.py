@@ -66,7 +66,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
         Hypothesis(frame, resting(effect) if frame.scanned else effect, place)
         for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in frame.given.places(effect)
-        if not _at_rest(frame, effect, place)
+        if not _at_rest(frame, effect, place) and (not frame.record.suspects or place in frame.record.suspects)
     ]  # fmt: skip
 
 
