@@ -14,12 +14,12 @@ from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.answers.report import GapReport
 from stickslip.gap.calibrating.calibration import Calibration, file_of, rows_of
 from stickslip.gap.calibrating.injection import Injection, injections
-from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import CATALOGUE
-from stickslip.gap.explanations.candidates import candidates
-from stickslip.gap.fits.search import Candidate
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.search import legal, model_alone
 from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
 from stickslip.logs.processes import one_thread
@@ -46,24 +46,21 @@ def calibrated(
     Raises ``GapError`` if log and model do not fit together, or the model cannot be run.
     """
     log = getattr(log, "log", log)
-    problem = prepared(diagram, log)
-    problem = problem.before or problem  # its runs have the set points of the log, switching at its rows
-    plain = without_gap(problem.model, problem.record, 1, 900_000 + seed)
+    frame = held_against(diagram, log)
+    plain = without_gap(frame.model, frame.record, 1, 900_000 + seed)
     if not plain:
         raise GapError("the model cannot be simulated on the set points of the log; check its parameters")
-    base = prepared(diagram, plain[0], floor=problem.floor)
-    file = file_of(problem.model, problem.record)
+    null = model_alone(held_against(diagram, plain[0]))
+    file = file_of(frame.model, frame.record)
     done = rows_of(file)
-    legal = [
-        *candidates(base, base.quiet, catalogue),
-        *(Candidate(base, base.model, one, at) for one in catalogue if one.of_log for at in one.places(base.model)),
-    ]
-    plan = list(injections(base, legal, runs, seed))
+    base = null.hypothesis.frame
+    of_log = (Hypothesis(base, one, at) for one in catalogue if one.of_log for at in one.places(base.model))
+    plan = list(injections(null, [*legal(null, catalogue), *of_log], runs, seed))
     until = time.monotonic() + seconds
     with reporting(progress, len(plan), "runs with known effects") as tell:
         for k, one in enumerate(plan):
             if one.key not in done and time.monotonic() < until:
-                made = one.made(problem)
+                made = one.made(frame)
                 if made is not None:
                     report = diagnose(diagram, made, catalogue=catalogue, limits=False, progress=False)
                     done[one.key] = _row(one, report, base.model)

@@ -9,13 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from stickslip.gap.fits.adequacy import needed
-from stickslip.gap.fits.limits import reached
-from stickslip.gap.fits.search import Candidate
-from stickslip.gap.fits.sensitivity import smallest
 from stickslip.gap.floors.floor import without_gap
-from stickslip.gap.floors.problem import Problem
-from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.effect import Effect, Parameter
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hidden import least_shown
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.logs import Log
 
 KNOWN_WITHIN = (1,)  # of the seed of a run: the random numbers of parameters that are known within a tolerance only
@@ -40,11 +39,11 @@ class Injection:
     seed: int
     main: str = ""
 
-    def made(self, problem: Problem) -> Log | None:
+    def made(self, frame: Frame) -> Log | None:
         """Return the log of the run, None if it failed."""
-        model, record = problem.model, problem.record
+        model, record = frame.model, frame.record
         rng = np.random.default_rng([self.seed, *KNOWN_WITHIN])
-        model = model.with_params({key: float(rng.uniform(*ends)) for key, ends in sorted(problem.free.items())})
+        model = model.with_params({key: float(rng.uniform(*ends)) for key, ends in sorted(frame.given.unsure.items())})
         if self.effect is not None and not self.effect.of_log:
             model = self.effect.insert(model, self.place, **self.values)
             if any(block.name.startswith(self.effect.block(self.place)) for block in model.blocks):
@@ -55,52 +54,58 @@ class Injection:
         return self.effect.on_log(logs[0], self.place, **self.values) if self.effect else logs[0]
 
 
-def injections(problem: Problem, legal: Sequence[Candidate], runs: int, seed: int) -> Iterator[Injection]:
-    """Yield ``runs`` runs of every candidate and as many times five without an effect; ``problem`` has no gap."""
+def injections(null: Fit, legal: Sequence[Hypothesis], runs: int, seed: int) -> Iterator[Injection]:
+    """Yield ``runs`` runs of every effect and as many times five without one; ``null`` the model alone, on a record
+    without a gap.
+    """
     for k in range(runs):
-        for n, candidate in enumerate(legal):
-            effect = candidate.effect
-            if effect is not None:
-                rng = np.random.default_rng([seed, k, n])
-                key = f"{effect.name} at {candidate.place} {seed}.{k}"
-                values = _drawn(candidate, rng)
-                if values is not None:
-                    main = "high" if candidate.own == ("low", "high") else candidate.sizes[0]
-                    yield Injection(key, effect, candidate.place, values, 10_000 + 1000 * seed + 100 * k + n, main)
+        for n, one in enumerate(legal):
+            assert one.effect is not None
+            rng = np.random.default_rng([seed, k, n])
+            key = f"{one.effect.name} at {one.place} {seed}.{k}"
+            values = _drawn(null, one, rng)
+            if values is not None:
+                main = "high" if one.bends else _size(one).name
+                yield Injection(key, one.effect, one.place, values, 10_000 + 1000 * seed + 100 * k + n, main)
         for n in range(5):
             yield Injection(f"none {seed}.{k}.{n}", None, "", {}, 500_000 + 1000 * seed + 10 * k + n)
 
 
-def _drawn(candidate: Candidate, rng: np.random.Generator) -> dict[str, float] | None:
+def _size(one: Hypothesis) -> Parameter:
+    """Return the first size of an effect."""
+    assert one.effect is not None
+    return next(p for p in one.effect.parameters if not p.nuisance)
+
+
+def _drawn(null: Fit, one: Hypothesis, rng: np.random.Generator) -> dict[str, float] | None:
     """Return random sizes of an effect; None where the record cannot feel it."""
-    problem, bounds, nominal = candidate.problem, candidate.bounds, candidate.nominal
-    effect = candidate.effect
-    if effect is None:
-        return None
-    if candidate.own == ("low", "high"):
-        seen = reached(candidate)
-        return {"low": nominal["low"], "high": float(np.quantile(seen, rng.uniform(*REACHED)))}
-    name = candidate.sizes[0]
-    low, high = bounds[name]
-    least = None if effect.of_log else smallest(candidate, needed(problem))
+    effect, f = one.effect, null.hypothesis.frame
+    assert effect is not None
+    nominal = {name: one.nominal[name] for name in one.own}
+    if one.bends:
+        _, values, zero, to_unit = one.reached
+        seen = (values - zero) * to_unit
+        return {"low": nominal["low"], "high": float(np.quantile(seen, rng.uniform(*REACHED)))} if len(seen) else None
+    p = _size(one)
+    low, high = one.bounds[p.name]
+    start = nominal[p.name]
+    least = None if effect.of_log else least_shown(null, one, p)
     if least is None:
         size = float(np.exp(rng.uniform(*np.log([low, high])))) if low > 0.0 else float(rng.uniform(low, high))
     else:
-        sign = -1.0 if low < nominal[name] and rng.random() < 0.5 else 1.0
+        sign = -1.0 if low < start and rng.random() < 0.5 else 1.0
         times = float(np.exp(rng.uniform(np.log(LEAST), np.log(MOST))))
-        start = nominal[name]
-        # where neutral is infinite: the less, the more there is of it
-        size = start + sign * times * (least.size - start) if np.isfinite(start) else least.size / times
-    values = {**nominal, name: float(np.clip(size, low, high))}
-    duration, dt = problem.record.log.duration, problem.record.log.dt
+        size = start + sign * times * least
+    values = {**nominal, p.name: float(np.clip(size, low, high))}
+    t = f.record.log.t
+    duration, dt = f.record.log.duration, f.record.log.dt
     for p in effect.parameters[1:]:
         if effect.hidden:
-            values[p.name] = values[name] * float(rng.uniform(*JUMP))
+            values[p.name] = values[one.own[0]] * float(rng.uniform(*JUMP))
         elif p.name == "time":
-            values[p.name] = float(problem.record.log.t[0]) + duration * float(rng.uniform(*MIDDLE))
+            values[p.name] = float(t[0]) + duration * float(rng.uniform(*MIDDLE))
         elif p.name == "period":
             values[p.name] = float(np.exp(rng.uniform(np.log(PERIODS[0] * dt), np.log(PERIODS[1] * duration))))
         elif p.name == "phase":
             values[p.name] = float(rng.uniform())
-    values = {name: values[name] for name in candidate.own}
-    return None if effect.rules(candidate.base, candidate.place, values) else values
+    return None if effect.rules(f.model, one.place, values) else values

@@ -3,63 +3,30 @@
     e = A (h * s_q) + w        h response of the innovations to a load of 1 in one interval, s_q the plan of shape q
 
 For each q the best A removes <e, h * s_q>^2 / (2 |h * s_q|^2) nats; correlations with all times and periods come from a
-few Fourier transforms.  The best few are then replayed and refined.
+few Fourier transforms.  The best few are then asked of the likelihood.
 """
 
 import math
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.fits.adequacy import needed
-from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
 from stickslip.gap.floors.floor import NU
-from stickslip.gap.floors.problem import Problem
-from stickslip.gap.insertion.added import with_added
 from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
-PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
 LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a drift
 SHORTEST = 6.0  # period, in rows
 TRIED = 4  # shapes that are replayed
 FEW, WIDER = 0.99, 3.0  # quantile of the innovations that is looked at too, if it is so many times the usual size
 HARMONICS = 8
 PHASES = 32  # begins of a period that are looked at
-HINT = 0.1  # share of the gap that a shape explains before it is refined
-HOPE = 0.5  # share of the nats that an effect needs to be named, which a filter must promise
 FINER = 4  # frequencies for each one that the record resolves
 
 
 def is_load(effect: Effect) -> bool:
     """Return whether an effect is a size times a plan of a time or a period."""
     return [p.name for p in effect.parameters][:2] in (["amplitude", "time"], ["amplitude", "period"])
-
-
-def fitted_load(candidate: Candidate) -> Fit | None:
-    """Return the best fit of a planned load; None if no run succeeded."""
-    h = response(candidate.problem, candidate.base, candidate.place)
-    if h is None:
-        return None
-    t = candidate.problem.record.log.t[candidate.problem.floor.skipped :]
-    problem = candidate.problem
-    least = 0.0 if problem.score > problem.limit else HOPE * needed(problem)  # where the gap does not show by itself
-    guesses = [
-        guess
-        for e in trimmed(candidate.absent.e)
-        for guess in planned(candidate.effect, candidate.base, candidate.place, t, e, h, least)
-    ]
-    (low, high), span = candidate.bounds["amplitude"], candidate.bounds
-    many = [
-        {k: float(np.clip(v, *span[k])) for k, v in guess.items()}
-        for guess in guesses
-        if min(abs(low), abs(high)) * 0.2 <= abs(guess["amplitude"]) or low < 0.0
-    ]
-    fits = sorted(candidate.tried(many), key=lambda fit: fit.F)
-    worth = candidate.absent.F - HINT * (candidate.absent.F - problem.level)
-    return best_of([refined(fit, 3) if worth > fit.F or problem.free else fit for fit in fits[:2]])
 
 
 def planned(
@@ -97,28 +64,6 @@ def trimmed(e: Floats) -> list[Floats]:
     scales = [usual, large] if large > WIDER * usual else [usual]
     with np.errstate(over="ignore", invalid="ignore"):  # beyond all squares the weight is 0, and so is the innovation
         return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
-
-
-def response(
-    problem: Problem, base: Diagram, place: str, hold: Literal["previous", "linear"] = "previous"
-) -> Floats | None:
-    """Return the innovations' response to a load of 1 in one interval at a feed, (rows from then on, signals).
-
-    The load is held from row to row, or joined by straight lines (``hold``).  None where nothing answers.  Far from its
-    rest a run of a large diagram does other things behind a switch of a set point: so it takes these from the model.
-    """
-    problem, t = problem.quick, problem.record.log.t
-    at = problem.floor.skipped + (len(t) - problem.floor.skipped) // 4
-    signal = str(base[place].output_labels[0])
-    low, high = base.signal_spans.get(signal, (0.0, 1.0))
-    size = PULSE * (high - low)
-    push = np.zeros(len(t))
-    push[at] = size
-    kicked = with_added(base, signal, Recorded("wave", t, push, hold=hold), f"{place}:pulse")
-    first = at - (1 if hold == "linear" else 0)  # what is joined by lines rises from the row before
-    absent = Candidate(problem, base).absent
-    h = np.nan_to_num((problem.innovations(kicked)[0] - absent.e) / size)[first - problem.floor.skipped :]
-    return h if np.abs(h).max(initial=0.0) > 0.0 else None
 
 
 def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, float]]:

@@ -4,13 +4,10 @@ Rows at which OP is new lie less than one interval behind a scan: t_i - dt < off
 t_i over k_i; of the offsets that this leaves the ends and the middle are tried, with either way of integrating.
 """
 
-import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.fits.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 STILL = 0.05  # share of rows at which OP stands still, from which on its scans can be read off
@@ -18,22 +15,7 @@ STILL = 0.05  # share of rows at which OP stands still, from which on its scans 
 FASTER = (0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0)
 COMBED, CLOSE = 200, 0.1  # rows at which OP moves that are looked at first; how far they may lie off, in periods
 LONGEST = 50.0  # period, in rows
-KEPT = 2  # that are tried on the whole record, the best of its first part
 OTHERS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # and where the controller scans already, in its own period
-
-
-def fitted_scan(candidate: Candidate) -> Fit | None:
-    """Return the best fit of a scanning controller; None if no run succeeded."""
-    log = candidate.problem.record.log
-    signal = str(candidate.base[candidate.place].output_labels[0])
-    values = np.where(log.good(signal), log[signal], np.nan) if signal in log else np.full(len(log), np.nan)
-    seen = np.isfinite(values)
-    many = first_scans(log.t[seen], values[seen], candidate.nominal["period"], log.dt, candidate.bounds["period"])
-    head = replace(candidate, problem=candidate.problem.early)
-    if head.problem is not candidate.problem and len(many) > KEPT:
-        fits = [fit for fit in head.tried(many) if math.isfinite(fit.F)]
-        many = [dict(fit.values) for fit in sorted(fits, key=lambda fit: fit.F)[:KEPT]]
-    return best_of(candidate.tried(many))
 
 
 def first_scans(

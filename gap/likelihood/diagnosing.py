@@ -22,6 +22,7 @@ from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.rivals import beside_random, likelier
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.search import (
@@ -35,6 +36,7 @@ from stickslip.gap.likelihood.search import (
 )
 from stickslip.gap.likelihood.settling import SETTLING, settled
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
+from stickslip.gap.likelihood.unmeasured import ALLOWED, UnmeasuredLoad, unmeasured_load
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
@@ -55,7 +57,7 @@ class Outcome:
     that the record does not tell apart, none where none is enough; ``share`` by
     which the first fit moves the signals; ``textured`` whether the digits of the log told; ``firsts`` the effects, not
     told apart, one of which is part of the model of all fits: the gap has two causes; ``stem`` what a logged stem says;
-    ``looked`` first sizes of all effects.
+    ``looked`` first sizes of all effects; ``rival`` the load that suits a replayed record best in place of any effect.
     """
 
     null: Fit
@@ -69,6 +71,7 @@ class Outcome:
     firsts: Sequence[Fit] = ()
     stem: LoggedStem | None = None
     looked: Sequence[Candidate] = ()
+    rival: UnmeasuredLoad | None = None
 
 
 def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None:
@@ -260,14 +263,18 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
+    rival = unmeasured_load(null) if isinstance(frame, Replays) else None
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
+    if rival is not None and best.unusual:  # what leaves something has to be likelier than a load of any spectrum
+        good = good and null.nll - price(fits[0]) > rival.gained + ALLOWED
     if good:
         best = beside_random(fits[0], best)
-        good = enough(fits[0], best, alone, null) and not likelier(fits[0], null, STEM_TIE if mine.hides else TIE)
+        unsure = STEM_TIE if mine.hides else TIE
+        good = enough(fits[0], best, alone, null) and (frame.replays or not likelier(fits[0], null, unsure))
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
-    return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else ())
+    return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else (), rival=rival)
 
 
 def _not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:

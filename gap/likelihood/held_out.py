@@ -6,9 +6,10 @@ import numpy as np
 from stickslip.gap.answers.report import Shrinkage
 from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import FIRST, free_names
 from stickslip.gap.likelihood.stems import StemFit
-from stickslip.gap.telling.sizes import SEEN, shrinkage_of_losses
+from stickslip.gap.telling.sizes import SEEN, shrinkage, shrinkage_of_losses
 
 
 def held_out(null: Fit, best: Fit) -> Shrinkage | None:
@@ -16,6 +17,11 @@ def held_out(null: Fit, best: Fit) -> Shrinkage | None:
     before, after = _of_first_rows(null), _of_first_rows(best)
     if before is None or after is None:
         return None
+    f = null.hypothesis.frame
+    if isinstance(f, Replays):
+        rows = slice(f.skipped, None)
+        first = round(SEEN * len(f.Y)) - f.skipped
+        return shrinkage(before.e[rows], after.e[rows], f.floor.mean / len(f.signals), first)
     # innovations of a mixture are of unit size by what they are
     e = after.e if after.mixed is None else np.where(np.isnan(after.e), np.nan, 1.0)
     return shrinkage_of_losses(before.losses, after.losses, e, round(SEEN * len(e)))

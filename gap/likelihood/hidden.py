@@ -20,6 +20,7 @@ from stickslip.gap.likelihood.scores import score
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
 STEMS = 4  # of a bank, times eight
 WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # [%] of plays that are tried
+NEEDED, FIRST = 6.0, 0.02  # nats that make a gap, and share of a range that is tried, where the least size is asked
 MOST = 0.8  # of the range of a size, beyond which nothing is said of it
 
 
@@ -37,6 +38,17 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
             at = f"{hypothesis.effect.name} at {hypothesis.place}"
             said.append(f"{at}, {p.name} {size}{'' if p.unit == '-' else f' {p.unit}'}")
     return said
+
+
+def least_shown(null: Fit, one: Hypothesis, p: Parameter, needed: float = NEEDED) -> float | None:
+    """Return how far a size has to be from neutral to show, by what a small one changes; None where that says nothing."""
+    nominal, (low, high) = one.nominal[p.name], one.bounds[p.name]
+    if not (math.isfinite(nominal) and p.smooth) or one.hides:
+        return None
+    first = nominal + FIRST * (high - nominal)
+    changed = tried(one, {**null.best.values, p.name: first}, null.best)
+    scored = None if changed is None else score(null, changed)
+    return None if scored is None else (first - nominal) * math.sqrt(2.0 * needed) / scored[2]
 
 
 def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> str | None:

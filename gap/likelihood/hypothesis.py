@@ -17,10 +17,10 @@ from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
-from stickslip.gap.likelihood.replay import left_by_replays
-from stickslip.gap.records.model import silenced
 from stickslip.gap.likelihood.prepared import Prepared, prepared
+from stickslip.gap.likelihood.replay import left_by_replays
 from stickslip.gap.likelihood.statement import Statement
+from stickslip.gap.records.model import silenced
 from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]

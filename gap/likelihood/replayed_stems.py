@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from stickslip.gap.floors.floor import losses
+from stickslip.gap.likelihood.figure import read_off
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.settling import free_names
@@ -23,6 +25,7 @@ SHRINK, WIDER = 0.55, 0.9  # of a pattern from round to round; of one that has m
 FINEST = 2e-4  # relative size of the last pattern
 HEAD, FEWEST = 0.2, 1200
 AROUND = 0.1, 0.1
+READ, GOOD = (0.03, 0.05), 0.85  # the same around values read off a log; share that is explained if it was a stem's
 PATTERNS = (
     ((-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, 0.7), (-0.7, -0.7)),
     ((-0.4, 0.0), (0.4, 0.0), (0.0, -0.4), (0.0, 0.4), (0.7, -0.7), (-0.7, 0.7)),
@@ -56,7 +59,10 @@ class Search:
             moved = False
             for pattern in PATTERNS_FLAT if len(self.one.own) < 2 else PATTERNS:
                 points = [
-                    (float(np.clip(point[0] * np.exp(wide * a), low, high)), float(np.clip(point[1] + across * b, 0.0, 1.0)))
+                    (
+                        float(np.clip(point[0] * np.exp(wide * a), low, high)),
+                        float(np.clip(point[1] + across * b, 0.0, 1.0)),
+                    )
                     for a, b in pattern
                 ]
                 ahead = min(self.at(points), key=cost, default=None)
@@ -93,6 +99,25 @@ def replayed_stem(null: Fit, one: Hypothesis) -> Fit | None:
     share = max(HEAD, min(1.0, FEWEST / len(f.Y)))
     head = one.of(replace(f, record=f.record.first_part(share)))
     search, right = Search(head, free, False), Search(head, free, True)
+    best = _read(right, one) or _searched(search, right)
+    if best is None:
+        return None
+    whole = Search(one, free, True).at([_point(best)])
+    return refined(whole[0], free_names(one)) if whole else None
+
+
+def _read(right: Search, one: Hypothesis) -> Innovations | None:
+    """Return the sizes that the log of the stem itself shows; None if they are not good."""
+    begun = min(right.at(read_off(one)), key=cost, default=None)
+    if begun is None:
+        return None
+    found = right.followed(begun, *READ, finest=10.0 * FINEST)[0]
+    return found if share(right, found) >= GOOD else None
+
+
+def _searched(search: Search, right: Search) -> Innovations | None:
+    """Return the sizes of the lowest cost on the first part of the record."""
+    one = search.one
     low, high = one.bounds[one.own[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     ends = [(x, wide, 0.12) for x in _apart(sorted(search.grid(), key=cost))]
@@ -103,6 +128,13 @@ def replayed_stem(null: Fit, one: Hypothesis) -> Fit | None:
         ends.sort(key=lambda end: cost(end[0]))
     begun = [x for end in _apart([end[0] for end in ends[:BEGUN]], SAME) for x in right.at([_point(end)])]
     found = [right.followed(x, *AROUND, finest=10.0 * FINEST)[0] for x in begun]
-    best = min(found, key=cost, default=ends[0][0])
-    whole = Search(one, free, True).at([_point(best)])
-    return refined(whole[0], free_names(one)) if whole else None
+    return min(found, key=cost, default=ends[0][0])
+
+
+def share(search: Search, found: Innovations) -> float:
+    """Return the share of what there is without the stem that it explains."""
+    f = search.one.frame
+    absent = Hypothesis(f).filtered(search.free)
+    level = f.floor.mean * float(np.isfinite(found.e[f.skipped :]).mean()) * (len(f.Y) - f.skipped)
+    before, after = (float(losses(x.e[f.skipped :]).sum()) + x.charge for x in (absent, found))
+    return (before - after) / max(before - level, 1e-9)

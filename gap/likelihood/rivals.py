@@ -99,8 +99,6 @@ def likelier(fit: Fit, null: Fit, unsure: float = 0.0) -> str:
 
     ``unsure``: by how much a rival may lag behind and still not be told from the effect [nats].
     """
-    if fit.hypothesis.frame.replays:
-        return ""
     own = price(fit) - unsure
     for rival in (*_same_plans(fit), *_random_alone(fit, null)):
         if price(rival) < own:

@@ -3,13 +3,14 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.scan_time import ScanTime
-from stickslip.gap.fits.loads import is_load, planned
+from stickslip.gap.fits.loads import is_load, planned, trimmed
 from stickslip.gap.fits.scans import first_scans
 from stickslip.gap.insertion.added import with_added
 from stickslip.gap.likelihood.fit import Fit, tried
@@ -116,29 +117,34 @@ def _limits(one: Hypothesis) -> list[dict[str, float]]:
 def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     """Return the planned loads that the innovations of the model propose."""
     f = one.frame
-    h = _response(null, one)
+    h = response(null, one.place, max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9))
     if h is None:
         return []
     t, first = f.record.log.t, f.skipped
-    e = np.clip(np.nan_to_num(null.best.e[first:]), -CALM, CALM)
-    guesses = planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)
+    left = null.best.e[first:]
+    several = trimmed(left) if f.replays else [np.clip(np.nan_to_num(left), -CALM, CALM)]
+    guesses = [g for e in several for g in planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)]
     return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
 
 
-def _response(null: Fit, one: Hypothesis) -> Floats | None:
-    """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals)."""
-    f = one.frame
+def response(null: Fit, place: str, size: float, hold: Literal["previous", "linear"] = "previous") -> Floats | None:
+    """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals).
+
+    A load of ``size`` is put in. It is held from row to row, or joined by straight lines (``hold``); None where nothing
+    answers.
+    """
+    f = null.hypothesis.frame
     t, first = f.record.log.t, f.skipped
     at = first + (len(t) - first) // 4
-    signal = str(f.model[one.place].output_labels[0])
-    size = max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9)
+    signal = str(f.model[place].output_labels[0])
     push = np.zeros(len(t))
     push[at] = size
-    pushed = with_added(f.model, signal, Recorded("wave", t, push, hold="previous"), f"{one.place}:pulse")
+    pushed = with_added(f.model, signal, Recorded("wave", t, push, hold=hold), f"{place}:pulse")
     moved = tried(_Kicked(f, kicked=pushed), null.best.values, null.best)
     if moved is None:
         return None
-    h = np.nan_to_num((moved.e - null.best.e) / size)[at:]
+    begins = at - (1 if hold == "linear" else 0)  # what is joined by lines rises from the row before
+    h = np.nan_to_num((moved.e - null.best.e) / size)[begins:]
     return h if np.abs(h).max(initial=0.0) > 0.0 else None
 
 

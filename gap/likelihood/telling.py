@@ -14,14 +14,20 @@ from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.hidden import hidden
 from stickslip.gap.likelihood.relevance import RELEVANT
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.search import price
+from stickslip.gap.likelihood.separating import next_test
+from stickslip.gap.likelihood.swapping import swapped
+from stickslip.gap.likelihood.unmeasured import said_of_rival
 from stickslip.gap.records.given import sizes
 from stickslip.gap.records.record import rounding
 from stickslip.gap.telling.causes import named_cause, said_of
+from stickslip.gap.telling.creep import about_creep, creeps, least_sizes
 from stickslip.gap.telling.nuisances import stated_wrongly
 from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.structure import by_wiring
-from stickslip.gap.telling.words import LISTED
+
+LISTED = 12  # explanations in the ranking
 
 
 def told(o: Outcome, limits: bool = True, seed: int = 0, counted: Sureness | None = None) -> GapReport:
@@ -68,13 +74,20 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
 
 def _named(o: Outcome) -> GapReport:
     best = o.named[0]
-    found = [named_cause([_whose(fit) for fit in o.named], _sizes(best))]
+    shown = _sizes(best)
+    effect, _ = _whose(best)
+    creeping = isinstance(best.hypothesis.frame, Replays) and o.best is not None and o.best.unusual
+    creeping = creeping and creeps(effect, shown)
+    found = [named_cause([_whose(fit) for fit in o.named], least_sizes(effect, shown) if creeping else shown)]
     if o.firsts:
         part = best.hypothesis.frame.given.part
         assert part is not None
         found.insert(0, named_cause([_whose(fit) for fit in o.firsts], part.sizes(best.best.values, best.sd)))
     places = tuple(dict.fromkeys(fit.hypothesis.place for fit in (*o.firsts, *o.named)))
     words = said_of(found, places)
+    words += about_creep(effect, found[0].sizes, True) if creeping else []
+    if any(one.others for one in found):
+        words.append(f"{next_test(best.hypothesis.frame, o.named).capitalize()}.")
     if o.textured:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:
@@ -92,6 +105,11 @@ def _named(o: Outcome) -> GapReport:
         sure = float((1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named))
     where = Where(found[0].place, sure, places, _by_place(o))
     causes = tuple(one.stated(sure) for one in found)
+    if o.rival is not None and not o.textured:
+        words.append(said_of_rival(o.rival, o.null.nll - price(best)))
+    if isinstance(o.null.hypothesis.frame, Replays) and not o.firsts and not o.textured:
+        swap = swapped(o.null.hypothesis.frame, found[0].place)
+        words += [str(swap)] if swap is not None else []
     shrunk = None if o.textured else held_out(o.null, best)
     if shrunk is not None:
         words.append(f"{str(shrunk).capitalize()}.")
@@ -110,6 +128,10 @@ def _unknown(o: Outcome) -> GapReport:
             f"nats likelier, but it leaves {o.best.size:.1f} standard deviations in: {o.best.name}."
         )
     words.append(f"What the model alone leaves shows most in: {o.alone.name}, {o.alone.size:.1f} standard deviations.")
+    if o.rival is not None:
+        words.append(said_of_rival(o.rival))
+        if o.rival.explains:
+            place, near = o.rival.place, (o.rival.place, *(name for name in near if name != o.rival.place))
     sure = 1.0 - OUTSIDE
     where = Where(place, sure / len(near), near, _by_place(o))
     return _report(o, words, best or o.null, where, (Cause(UNKNOWN, place, sure),), _ranking(o, OUTSIDE))
@@ -197,12 +219,21 @@ def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
     exactly = o.null.best.gains is None
     return (
         f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(digits) or 'not rounded'}.",
-        "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
+        f"Nuisances of the model: {'; '.join(map(str, f.noise)) or 'none'}.",
         *stated_wrongly(f.model, after.best.values),
         *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
-        "Innovations of a Kalman filter of the model, exact from row to row."
+        _way(f)
+        if isinstance(f, Replays)
+        else "Innovations of a Kalman filter of the model, exact from row to row."
         if exactly
         else "Innovations of an extended Kalman filter whose prediction is the run of the model itself.",
         by_wiring(f.quiet, log.names),
         *log.notes,
     )
+
+
+def _way(frame: Replays) -> str:
+    """Return in a sentence what the residuals of a replay are."""
+    if frame.floor.coloured:
+        return "Residuals of a pinned replay, less what earlier ones foretell: loads are not measured."
+    return "Residuals of a pinned replay: with the stated noise they are white."

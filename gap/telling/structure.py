@@ -2,8 +2,7 @@
 
 A logged signal cuts the diagram: what follows from it is computed from the log.  So an effect shows in the residuals of
 those logged signals that its place reaches without passing another logged one, and in no others.  Effects that show in
-the same signals are told apart by the shape of what they do alone (``stickslip.gap.explanations.isolability``), or by a
-tag in between.
+the same signals are told apart by the shape of what they do alone, or by a tag in between.
 (Between two rows nothing is logged: a block behind a logged signal feels a little of what drives that in between.)
 """
 

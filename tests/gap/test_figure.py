@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stickslip.blocks import QuasiStaticStem, StickSlip
 from stickslip.diagram import drive
-from stickslip.gap.fits.figure import SHARES, bands
+from stickslip.gap.likelihood.figure import SHARES, bands
 
 ANY = np.linspace(0.0, 1.0, SHARES).tolist()
 SPRING = 52500.0  # [N per travel]

@@ -18,12 +18,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.effects.disturbance import Disturbance
-from stickslip.gap.fits.loads import response
 from stickslip.gap.floors.floor import scored, without_gap
-from stickslip.gap.floors.problem import Problem
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.replay import Replays
+from stickslip.gap.likelihood.sizes import response
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
+SIGMAS, ALLOWED = 4.5, 12.0  # by which a score may exceed its mean without a gap; and nats
 NULLS = 4  # runs without a gap
 ROUNDS = 3  # of the spectrum and of what loads before the first row have left
 TAILS, DISTINCT, MOST = 40, 1e-5, 6  # rows after a load of which the rest is looked at, and how many shapes that has
@@ -43,10 +46,10 @@ class AnyLoad(Disturbance):
 class UnmeasuredLoad:
     """A load at ``place`` with no plan: ``sd`` [its unit] and the ``period`` [s] above which half of its power lies.
 
-    ``F`` score with the price of its freedom, ``left`` the score of what it leaves, of which no more than ``limit`` is
-    without a gap.
+    ``gained`` nats by which it is likelier than the model alone, its freedom paid; ``left`` the score of what it leaves, of
+    which no more than ``limit`` is without a gap; ``part`` of the gap that it explains.
 
-    >>> print(UnmeasuredLoad("feed", "-", 0.0651, 112.0, 1.0, 1.0, 1.0))
+    >>> print(UnmeasuredLoad("feed", "-", 0.0651, 112.0, 1.0, 1.0, 1.0, 1.0))
     a load at feed that nobody measures, of standard deviation 0.065, half of it slower than 110 s
     """
 
@@ -54,9 +57,10 @@ class UnmeasuredLoad:
     unit: str
     sd: float
     period: float
-    F: float
+    gained: float
     left: float
     limit: float
+    part: float
 
     @property
     def explains(self) -> bool:
@@ -71,35 +75,64 @@ class UnmeasuredLoad:
         )
 
 
-def unmeasured_load(problem: Problem, allowed: float) -> UnmeasuredLoad | None:
-    """Return the load that fits the record best; ``allowed`` is the excess over the score of records without a gap.
+def unmeasured_load(null: Fit) -> UnmeasuredLoad | None:
+    """Return the load that fits the record best in place of an effect.
 
     None where the model has no feed, rows are uneven, or the record is too short for what a load leaves behind.
     """
-    t = problem.record.log.t
-    if np.ptp(np.diff(t)) > EVEN * problem.record.log.dt or problem.record.filter is not None:
+    f = null.hypothesis.frame
+    assert isinstance(f, Replays)
+    t = f.record.log.t
+    if np.ptp(np.diff(t)) > EVEN * f.record.log.dt or f.record.filter is not None:
         return None
     ways: tuple[Literal["previous", "linear"], ...] = ("previous", "linear")
-    places = [p for p in AnyLoad().places(problem.quiet) if not problem.record.suspects or p in problem.record.suspects]
-    answers = [(p, response(problem, problem.quiet, p, way)) for p in places for way in ways]
+    places = [p for p in AnyLoad().places(f.quiet) if not f.record.suspects or p in f.record.suspects]
+    answers = [(p, response(null, p, PULSE * _span(f, p), way)) for p in places for way in ways]
     legal = [(p, h) for p, h in answers if h is not None and forgotten(h)]
     if not legal:
         return None
-    place, h = min(legal, key=lambda one: _suited(problem.as_it_is, one[1])[0])
-    F, left, sd, period = _suited(problem.as_it_is, h)
-    signal = str(problem.quiet[place].output_labels[0])
-    unit = problem.quiet.signal_units.get(signal, "")
-    limit = problem.limit + allowed
-    return UnmeasuredLoad(place, unit, sd, period * problem.record.log.dt, F + _without_gap(problem, h), left, limit)
+    e = null.best.e[f.skipped :]
+    place, h = min(legal, key=lambda one: _suited(e, one[1])[0])
+    F, left, sd, period = _suited(e, h)
+    signal = str(f.quiet[place].output_labels[0])
+    unit = f.quiet.signal_units.get(signal, "")
+    n = float(np.isfinite(e).mean()) * len(e)
+    level, whole = f.floor.mean * n, float(scored(e))
+    limit = level + SIGMAS * f.floor.sd * math.sqrt(n) + ALLOWED
+    part = float(np.clip((whole - left) / max(whole - level, 1e-9), 0.0, 1.0))
+    gained = whole - F - _without_gap(null, h)
+    return UnmeasuredLoad(place, unit, sd, period * f.record.log.dt, gained, left, limit, part)
 
 
-def _without_gap(problem: Problem, h: Floats) -> float:
+def said_of_rival(rival: UnmeasuredLoad, gained: float | None = None) -> str:
+    """Return in words how a load that nobody measures does; ``gained`` nats by what is named, None if nothing is."""
+    if gained is not None:
+        more = gained - rival.gained
+        if rival.explains and more <= ALLOWED:
+            return (
+                f"A disturbance alone may explain it: {rival}, leaves nothing; its log likelihood is {more:.0f} lower."
+            )
+        return f"A disturbance alone is excluded: {rival}, has a log likelihood that is {more:.0f} lower."
+    if rival.explains:
+        return f"A disturbance alone may explain it: {rival}, leaves nothing of the gap."
+    left = 100.0 * (1.0 - rival.part)
+    return f"A disturbance alone does not explain it: the best, {rival}, leaves {left:.1f} % of the gap."
+
+
+def _span(f: Replays, place: str) -> float:
+    low, high = f.quiet.signal_spans.get(str(f.quiet[place].output_labels[0]), (0.0, 1.0))
+    return high - low
+
+
+def _without_gap(null: Fit, h: Floats) -> float:
     """Return how far a load lowers the score where there is no gap [nats]: rounding is not quite white."""
-    logs = without_gap(problem.model, problem.record, NULLS, 1)
-    if not logs:
-        return 0.0
-    runs = replace(problem, start={}).innovations(problem.quiet, logs=logs)
-    return max(0.0, float(np.mean([float(scored(e)) - _suited(e, h)[0] for e in runs])))
+    one, f, found = null.hypothesis, null.hypothesis.frame, []
+    for log in without_gap(f.model, f.record, NULLS, 1):
+        left = tried(one.of(replace(f, record=replace(f.record, log=log))), null.best.values)
+        if left is not None:
+            e = left.e[f.skipped :]
+            found.append(float(scored(e)) - _suited(e, h)[0])
+    return max(0.0, float(np.mean(found))) if found else 0.0
 
 
 def _suited(found: Floats, h: Floats) -> tuple[float, float, float, float]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from stickslip.diagram.ensembles.running import ensemble
-from stickslip.gap.floors.problem import Problem
+from stickslip.gap.likelihood.replay import Replays
 
 
 @dataclass(frozen=True)
@@ -40,29 +40,29 @@ class Swap:
         )
 
 
-def swapped(problem: Problem, place: str) -> Swap | None:
+def swapped(frame: Replays, place: str) -> Swap | None:
     """Return what the swap of the segment of a block shows; None where no other segment drives a logged signal."""
-    pinned = problem.record.pinned
-    logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
-    segment = next((one for one in problem.quiet.segments(logged) if place in one.blocks), None)
+    pinned = frame.record.pinned
+    logged = [s for s in frame.record.log.names if s in frame.quiet.signals]
+    segment = next((one for one in frame.quiet.segments(logged) if place in one.blocks), None)
     if segment is None:
         return None
     given = tuple(s for s in pinned if s in segment.drives)
     others = tuple(s for s in pinned if s not in given)
     if not given or not others:
         return None
-    free, swap = (_errors(problem, held, others) for held in ((), given))
+    free, swap = (_errors(frame, held, others) for held in ((), given))
     worst = max(others, key=lambda s: free[s] - swap[s])
     k = pinned.index(worst)
-    noise = 0.0 if problem.floor.changes[k] else float(np.linalg.norm(problem.floor.L[k]))
+    noise = 0.0 if frame.floor.changes[k] else float(np.linalg.norm(frame.floor.L[k]))
     return Swap(given, worst, free[worst], swap[worst], noise)
 
 
-def _errors(problem: Problem, given: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, float]:
+def _errors(frame: Replays, given: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, float]:
     """Return signal -> root mean square of a run, with some signals as the log has them, less the log."""
-    log = problem.record.log
-    held = problem.quiet.pinned(log, [*problem.record.played, *given])
+    log = frame.record.log
+    held = frame.quiet.pinned(log, [*frame.record.played, *given])
     many = ensemble(
         held, log.duration, t0=np.full(1, log.t[0]), times=log.t, signals=list(signals), progress=False
     )  # fmt: skip
-    return {s: float(np.sqrt(np.nanmean((many.values[s][0] - log[s])[problem.floor.skipped :] ** 2))) for s in signals}
+    return {s: float(np.sqrt(np.nanmean((many.values[s][0] - log[s])[frame.floor.skipped :] ** 2))) for s in signals}

@@ -16,8 +16,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.fits.search import Candidate
 from stickslip.gap.insertion.paths import given
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.records.offsets import offsets
 
 Floats = NDArray[np.float64]
 USUAL = 0.99  # quantile of how far a stem lies off: beyond are jumps of the set point
@@ -28,24 +29,24 @@ SCALE, FINEST = 0.05, 0.003  # of a miss that counts, in the first grid and the 
 MOVED = 1e-6  # of its travel: so far a stem has moved that is not at rest
 
 
-def read_off(candidate: Candidate) -> list[tuple[float, float]]:
+def read_off(one: Hypothesis) -> list[tuple[float, float]]:
     """Return first sizes of a stem and the second as a share of it, as the log of its position shows them.
 
     With a jump and without: what creeps has none, and may look like any.  None where that is not logged, or has never
     lain off what is wanted.
     """
-    problem, effect = candidate.problem, candidate.effect
-    signal = given(problem.model, candidate.place)
-    if effect is None or signal not in problem.record.pinned:
+    f, effect = one.frame, one.effect
+    signal = given(f.model, one.place)
+    if effect is None or signal not in f.record.pinned:
         return []
-    seen = problem.record.log[signal]
-    wanted = seen - problem.offsets(candidate.base, {})[0, :, problem.record.pinned.index(signal)]
+    seen = f.record.log[signal]
+    wanted = seen - offsets(f.quiet, f.record)[0, :, f.record.pinned.index(signal)]
     free: list[float] = np.linspace(0.0, 1.0, SHARES).tolist()
-    ways = [[1.0]] if len(candidate.sizes) < 2 else [free, [1.0]]
-    one = next(iter(effect.settings(candidate.base, candidate.place, **dict.fromkeys(candidate.own, 1.0)).values()))
-    low, high = candidate.bounds[candidate.sizes[0]]
+    ways = [[1.0]] if len(one.own) < 2 else [free, [1.0]]
+    to_unit = next(iter(effect.settings(f.model, one.place, **dict.fromkeys(one.own, 1.0)).values()))
+    low, high = one.bounds[one.own[0]]
     found = [bands(wanted, seen, shares) for shares in ways]
-    return [(float(np.clip(S / one, low, high)), J / S) for S, J in (each for each in found if each is not None)]
+    return [(float(np.clip(S / to_unit, low, high)), J / S) for S, J in (each for each in found if each is not None)]
 
 
 def bands(wanted: Floats, seen: Floats, shares: Sequence[float]) -> tuple[float, float] | None:

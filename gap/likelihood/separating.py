@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.simulation import simulate
-from stickslip.gap.fits.inserting import inserted
-from stickslip.gap.fits.search import Fit
-from stickslip.gap.floors.problem import Problem
+from stickslip.gap.answers.report import listed
 from stickslip.gap.insertion.scales import ends
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.records.model import silenced
 from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
@@ -23,54 +24,70 @@ STAIRS = (0.0, 1.0, -1.0, 0.5, -0.5, 0.0)  # of the set point's range in the rec
 MOVED = 10.0  # by how much a staircase has to show more than the record
 
 
-def tags(problem: Problem, same: Sequence[Fit]) -> tuple[str, ...]:
+def next_test(frame: Frame, same: Sequence[Fit]) -> str:
+    """Return in words which tag or which move of the set point would separate some effects."""
+    found = tags(frame, same)
+    if found:
+        return f"a log of {listed(found[:3])} would separate them"
+    for k in range(2, len(same)):  # not all of them, but some
+        found = tags(frame, same[:k])
+        if found:
+            return f"a log of {listed(found[:3])} would separate some of them"
+    if staircase_separates(frame, same):
+        return "steps of the set point over a wider range would separate them"
+    return "neither another signal of the model nor a wider range of the set point would separate them"
+
+
+def _of_log(fit: Fit) -> bool:
+    return fit.hypothesis.effect is not None and fit.hypothesis.effect.of_log
+
+
+def tags(frame: Frame, same: Sequence[Fit]) -> tuple[str, ...]:
     """Return signals that are not logged and differ between every two of some effects, those that differ most first."""
-    runs = [_run(problem, fit, _played(problem)) for fit in same if not fit.effect.of_log]
+    runs = [_run(frame, fit, _played(frame)) for fit in same if not _of_log(fit)]
     if len(runs) < 2:
         return ()
-    logged = {*problem.record.log.names, *problem.record.pinned}
+    logged = {*frame.record.log.names, *frame.record.pinned}
     found = {}
-    for s in problem.quiet.signals:
+    for s in frame.quiet.signals:
         if s not in logged and all(s in run for run in runs):
-            span = _span(problem.quiet, s, runs[0][s])
+            span = _span(frame.quiet, s, runs[0][s])
             least = min(_apart(one[s], other[s]) for one, other in combinations(runs, 2))
             if least > PART * span:
                 found[s] = least / span
     return tuple(sorted(found, key=lambda s: -found[s]))
 
 
-def staircase_separates(problem: Problem, same: Sequence[Fit]) -> bool:
+def staircase_separates(frame: Frame, same: Sequence[Fit]) -> bool:
     """Return whether steps over the range of the set points would show what the record does not, in logged signals."""
-    now, then = _played(problem), {}
+    now, then = _played(frame), {}
     for s, values in now.items():
         rows, half = len(values), 0.5 * float(np.ptp(values)) or 0.1 * max(abs(float(values[0])), 1.0)
         steps = np.repeat(STAIRS, -(-rows // len(STAIRS)))[:rows]
         then[s] = float(values.mean()) + 2.0 * half * steps
     least = []
     for played in (now, then):
-        runs = [_run(problem, fit, played) for fit in same if not fit.effect.of_log]
+        runs = [_run(frame, fit, played) for fit in same if not _of_log(fit)]
         if not played or len(runs) < 2:
             return False
         pairs = combinations(runs, 2)
         least.append(
             min(
-                max(_apart(a[s], b[s]) / _span(problem.quiet, s, runs[0][s]) for s in problem.record.pinned)
+                max(_apart(a[s], b[s]) / _span(frame.quiet, s, runs[0][s]) for s in frame.record.pinned)
                 for a, b in pairs
             )
         )
     return least[1] > PART and least[1] > MOVED * least[0]
 
 
-def _played(problem: Problem) -> dict[str, Floats]:
-    return {s: np.asarray(problem.record.log[s]) for s in problem.record.played}
+def _played(frame: Frame) -> dict[str, Floats]:
+    return {s: np.asarray(frame.record.log[s]) for s in frame.record.played}
 
 
-def _run(problem: Problem, fit: Fit, played: Mapping[str, Floats]) -> dict[str, Floats]:
+def _run(frame: Frame, fit: Fit, played: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return the signals of a free, silent run of the model with the effect of a fit."""
-    log = problem.record.log
-    model = fit.effect.started(inserted(problem.quiet, fit), fit.place, problem.record.first) if fit.present else (
-        problem.quiet
-    )  # fmt: skip
+    log = frame.record.log
+    model = silenced(fit.hypothesis.model(fit.best.values))
     inputs = Log(log.t, dict(played)) if played else None
     run = simulate(model, log.duration, t0=float(log.t[0]), times=log.t, inputs=inputs)
     return {s: run.log[s] for s in run.log.names}
