@@ -17,7 +17,7 @@ from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
-from stickslip.gap.likelihood.judge import MOST_LEFT, Verdict, enough, judged
+from stickslip.gap.likelihood.judge import MOST_LEFT, enough, judged
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
@@ -37,6 +37,7 @@ from stickslip.gap.likelihood.search import (
 from stickslip.gap.likelihood.settling import SETTLING, settled
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
 from stickslip.gap.likelihood.unmeasured import ALLOWED, UnmeasuredLoad, unmeasured_load
+from stickslip.gap.likelihood.verdict import Verdict
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
@@ -228,7 +229,7 @@ def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
     pays = price(both.firsts[0]) - both.firsts[0].nll  # for the sizes of the first, which are free in both
     if price(fit) > min(price(found) + pays + TIE, price(alone.fits[0])):
         return None
-    best = judged(fit, [], seed)
+    best = judged(fit, [], seed, alone.null)
     if not enough(fit, best, alone.alone, alone.null):
         return None
     fits = (fit, *alone.fits)
@@ -262,7 +263,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
         return Outcome(null, alone, fits, None, gap, (), looked=found)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
-    best = judged(fits[0], [] if far else beside, seed)  # far from the log no direction is right
+    best = judged(fits[0], [] if far else beside, seed, null)  # far from the log no direction is right
     rival = unmeasured_load(null) if isinstance(frame, Replays) else None
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
     if rival is not None and best.unusual:  # what leaves something has to be likelier than a load of any spectrum

@@ -12,8 +12,9 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.judge import Verdict, enough, judged
+from stickslip.gap.likelihood.judge import enough, judged
 from stickslip.gap.likelihood.settling import free_names
+from stickslip.gap.likelihood.verdict import Verdict
 from stickslip.gap.records.record import rounding
 
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
@@ -52,6 +53,8 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     step = coarse(f, place)
     if step:
         return _as(null, Hypothesis(f, effect, place), {"step": step})
+    if f.replays:  # residuals of a coarse log are as large as its step, whoever made it
+        return None
     signal, values = measured_by(f, place)
     step = unstated(f, place, rounding(values))
     if not step or len(np.unique(values)) > FEW * len(values):
@@ -62,7 +65,7 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     if start is None:
         return None
     fit = refined(start, free_names(start.hypothesis))
-    if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed), alone):
+    if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed, null), alone, null):
         return None
     return _as(fit, Hypothesis(f, effect, place), {"step": step})
 

@@ -12,11 +12,11 @@ Source of the law of largest values, and of the least b: Gumbel, Statistics of E
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.floors.floor import losses, without_gap
+from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
@@ -24,15 +24,17 @@ from stickslip.gap.likelihood.constancy import constancy
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import played
+from stickslip.gap.likelihood.left import judged_by_loss, nearly_all
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.scores import at_bound, basis, trusted
 from stickslip.gap.likelihood.stems import known_stem
+from stickslip.gap.likelihood.verdict import ALARM, Verdict
 from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
 GUESSES = 4  # at what the log does not tell of inputs, among these runs
 JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
-ALARM = 0.005  # share of right hypotheses that are called wrong
 FARTHEST = 700.0  # of a deviate: the exponential of more overflows
 QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
@@ -40,34 +42,16 @@ SURE = 4.0  # standard deviations by which noise or a load may want to stand at 
 MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """How unusual innovations are: the largest figure, ``size`` [standard deviations], its ``name``, and its chance
-    ``p`` if the hypothesis is right; ``limit`` which figures of right ones exceed with a chance of ``ALARM``.
-    """
-
-    size: float
-    name: str
-    p: float
-    limit: float
-
-    @property
-    def unusual(self) -> bool:
-        """Whether a right hypothesis leaves as much hardly ever."""
-        return self.size > self.limit
-
-
-def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
-    """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not."""
+def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | None = None) -> Verdict:
+    """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not; ``null`` the model alone."""
+    if isinstance(fit.hypothesis.frame, Replays):
+        return judged_by_loss(fit, null, seed)
     away = [(f"a little of {c.hypothesis.effect.name} at {c.hypothesis.place}", c.direction)
             for c in others if c.hypothesis.effect is not None and c.direction is not None]  # fmt: skip
     directions = [*_apart(fit, away), *constancy(fit)]
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
-    begun = fit if mine is None else replace(fit, best=mine)
-    if f.replays:
-        return _of_replays(fit, directions, seed)
-    name, size = largest(begun, directions)
+    name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
     usual = []
     runs = RUNS_OF_BANK if one.hides else RUNS
     for log in _runs(fit, runs, seed + 1):
@@ -76,44 +60,15 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
             usual.append(largest(replace(fit, best=left), directions)[1])
     if len(usual) < runs // 2:
         return Verdict(size, name, 1.0, math.inf)
-    found = _placed(name, size, usual, fit, directions)
-    if found.unusual:
-        return found
-    at, beyond = _beyond(fit)
-    return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
-
-
-def _of_replays(fit: Fit, directions: Sequence[tuple[str, Floats]], seed: int) -> Verdict:
-    """Return how unusual the innovations of a replay are: rounding is not quite white, and its runs say how much not."""
-    one, f = fit.hypothesis, fit.hypothesis.frame
-    mine = _figures(fit, directions)
-    runs: list[dict[str, float]] = []
-    for log in _runs(fit, RUNS, seed + 1):
-        left = tried(one.of(replace(f, record=replace(f.record, log=log))), fit.best.values)
-        if left is not None:
-            runs.append(_figures(replace(fit, best=left), directions))
-    if len(runs) < RUNS // 2:
-        return Verdict(math.inf, "its runs fail", 1.0, math.inf)
-    names = [name for name in mine if all(name in own for own in runs)]
-    found = np.array([[own[name] for name in names] for own in runs])
-    own = np.array([mine[name] for name in names])
-
-    def size(x: Floats, others: Floats) -> Floats:
-        return np.abs(x - others.mean(axis=0)) / np.maximum(others.std(axis=0, ddof=1), 1.0)
-
-    usual = [float(size(found[k], np.delete(found, k, axis=0)).max()) for k in range(len(found))]
-    sizes = size(own, found)
-    k = int(np.argmax(sizes))
-    return _placed(names[k], float(sizes[k]), usual, fit, directions)
-
-
-def _placed(name: str, size: float, usual: list[float], fit: Fit, directions: Sequence[tuple[str, Floats]]) -> Verdict:
-    """Return where the largest figure lies among those of runs."""
     low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
     least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
     b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
     a = float(middle) - _gumbel(QUARTILES[1]) * b
-    return Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+    found = Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
+    if found.unusual:
+        return found
+    at, beyond = _beyond(fit)
+    return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
 
 
 def _beyond(fit: Fit) -> tuple[str, float]:
@@ -167,14 +122,6 @@ def _gumbel(share: float) -> float:
     return -math.log(-math.log(share))
 
 
-def explained(fit: Fit, null: Fit) -> float:
-    """Return the share of a gap that an effect explains."""
-    f = fit.hypothesis.frame
-    level = f.floor.mean * float(np.isfinite(null.best.e[f.skipped :]).mean()) * (len(f.Y) - f.skipped)
-    before, after = (float(losses(x.best.e[f.skipped :]).sum()) for x in (null, fit))
-    return (before - after - fit.best.charge) / max(before - level, 1e-9)
-
-
 def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit) -> bool:
     """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves.
 
@@ -182,8 +129,8 @@ def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit) -> bool:
     """
     if math.isinf(verdict.limit) and math.isfinite(alone.limit):
         return False
-    if fit.hypothesis.frame.replays and explained(fit, null) >= (0.85 if fit.hypothesis.effect.hidden else 0.94):
-        return True
+    if isinstance(fit.hypothesis.frame, Replays):
+        return not verdict.unusual or nearly_all(fit, null)
     return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 
 
@@ -201,11 +148,6 @@ def figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> int:
 
 def _figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> dict[str, float]:
     found = checks(fit.best)
-    if fit.hypothesis.frame.replays:
-        f = fit.hypothesis.frame
-        e = fit.best.e[f.skipped :]
-        n = float(np.isfinite(e).mean()) * len(e)
-        found["loss"] = (float(losses(e).sum()) - f.floor.mean * n) / max(f.floor.sd * math.sqrt(n), 1e-9)
     calm = np.nan_to_num(fit.best.e) * trusted(fit)
     return found | {name: float(np.sum(calm * d)) for name, d in directions}
 

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from stickslip.gap.floors.floor import losses
 from stickslip.gap.likelihood.figure import read_off
-from stickslip.gap.likelihood.fit import Fit, refined
+from stickslip.gap.likelihood.fit import Fit, refined, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.left import share
 from stickslip.gap.likelihood.settling import free_names
 
 FIRST = 14  # sizes of the first parameter
@@ -112,7 +112,8 @@ def _read(right: Search, one: Hypothesis) -> Innovations | None:
     if begun is None:
         return None
     found = right.followed(begun, *READ, finest=10.0 * FINEST)[0]
-    return found if share(right, found) >= GOOD else None
+    absent = unfitted(Hypothesis(right.one.frame).filtered(right.free))
+    return found if share(unfitted(found), absent) >= GOOD else None
 
 
 def _searched(search: Search, right: Search) -> Innovations | None:
@@ -129,12 +130,3 @@ def _searched(search: Search, right: Search) -> Innovations | None:
     begun = [x for end in _apart([end[0] for end in ends[:BEGUN]], SAME) for x in right.at([_point(end)])]
     found = [right.followed(x, *AROUND, finest=10.0 * FINEST)[0] for x in begun]
     return min(found, key=cost, default=ends[0][0])
-
-
-def share(search: Search, found: Innovations) -> float:
-    """Return the share of what there is without the stem that it explains."""
-    f = search.one.frame
-    absent = Hypothesis(f).filtered(search.free)
-    level = f.floor.mean * float(np.isfinite(found.e[f.skipped :]).mean()) * (len(f.Y) - f.skipped)
-    before, after = (float(losses(x.e[f.skipped :]).sum()) + x.charge for x in (absent, found))
-    return (before - after) / max(before - level, 1e-9)

@@ -25,9 +25,9 @@ from stickslip.gap.insertion.paths import given, users
 from stickslip.gap.likelihood.beside import with_effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
-from stickslip.gap.likelihood.judge import Verdict
 from stickslip.gap.likelihood.search import price
 from stickslip.gap.likelihood.settling import free_names
+from stickslip.gap.likelihood.verdict import Verdict
 
 BANDS = (1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records
 SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model

@@ -1,0 +1,91 @@
+"""Whether a replay with an effect leaves no more than usual: its loss beside those of runs.
+
+1. No more than records without a gap leave, or
+2. no more than runs of the model with the effect leave, when they are explained by it, or
+3. next to nothing of the gap: a law that differs a little from the true one leaves a little.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from stickslip.gap.floors.floor import losses, without_gap
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.likelihood.replay import Replays
+from stickslip.gap.likelihood.verdict import ALARM, Verdict
+
+SIGMAS = 4.5  # by which a loss may exceed its mean without a gap
+SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread forty runs tell
+GAINED = 12.0  # nats that what is left may lie above that
+INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
+NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nearly
+LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
+OWN_RUNS = 4  # runs of the model with the effect
+
+
+def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
+    """Return how unusual the loss of a replay is [standard deviations of that of runs without a gap].
+
+    ``null``: the model alone, if the fit is of an effect.
+    """
+    f = fit.hypothesis.frame
+    assert isinstance(f, Replays)
+    unit = f.floor.sd * math.sqrt(known(fit.best))
+    far = SIGMAS if f.record.filter is None else SIGMAS_OF_FILTER
+    beyond = left(fit.best) - level(fit.best)
+    limit = far * unit
+    if fit.hypothesis.effect is not None:
+        limit += allowed(f)
+        # runs with a hidden mode that is missed now and then leave anything: that alone proves nothing
+        if beyond > limit and null is not None and share(fit, null) >= LEAST:
+            limit = max(limit, _own_runs(fit, far, seed))
+    return Verdict(beyond / unit, "its loss", ALARM if beyond > limit else 1.0, limit / unit)
+
+
+def nearly_all(fit: Fit, null: Fit) -> bool:
+    """Return whether an effect explains so much of a gap that only its law can be a little different."""
+    effect = fit.hypothesis.effect
+    return share(fit, null) >= (NEARLY_HIDDEN if effect is not None and effect.hidden else NEARLY)
+
+
+def share(fit: Fit, null: Fit) -> float:
+    """Return the share of the gap that an effect explains."""
+    removable = left(null.best) - level(null.best)
+    return (left(null.best) - left(fit.best)) / removable if removable > 1e-9 else 1.0
+
+
+def left(found: Innovations) -> float:
+    """Return the loss of what is left, in its own unit, with what modes set right cost [nats]."""
+    return float(losses(found.e).sum()) + found.charge
+
+
+def known(found: Innovations) -> float:
+    """Return how many rows are judged, a row with missing signals by the share that is there."""
+    return float(np.isfinite(found.e).mean()) * len(found.e)
+
+
+def level(found: Innovations) -> float:
+    """Return the mean loss of so many rows without a gap [nats]."""
+    f = found.hypothesis.frame
+    assert isinstance(f, Replays)
+    return f.floor.mean * known(found)
+
+
+def allowed(frame: Replays) -> float:
+    """Return the gain in log likelihood from which on an effect is worth reporting [nats]."""
+    return GAINED + (0.0 if frame.floor.coloured else INEXACT * (len(frame.Y) - frame.skipped))
+
+
+def _own_runs(fit: Fit, far: float, seed: int) -> float:
+    """Return by how much runs with the effect exceed the mean loss without a gap at most [nats]; 0 if they fail."""
+    one, f, found = fit.hypothesis, fit.hypothesis.frame, []
+    assert isinstance(f, Replays)
+    for log in without_gap(one.model(fit.best.values), f.record, OWN_RUNS, seed + 1):
+        run = tried(one.of(replace(f, record=replace(f.record, log=log))), fit.best.values)
+        if run is not None:
+            found.append(left(run) - level(run))
+    if len(found) < 2:
+        return 0.0
+    spread = max(float(np.std(found, ddof=1)), f.floor.sd * math.sqrt(known(fit.best)))
+    return float(np.mean(found)) + far * spread + allowed(f)
