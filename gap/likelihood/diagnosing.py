@@ -19,6 +19,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import MOST_LEFT, enough, judged
 from stickslip.gap.likelihood.logged_stem import LoggedStem
+from stickslip.gap.likelihood.nesting import one_of_nested
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.relevance import RELEVANT, moved
@@ -258,6 +259,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
     # a model that leaves nothing unusual is no worse than a stem of about the right size
     within = math.inf if alone.unusual else null.nll + LAGGING
     fits = fitted(null, chosen, far, within, progress)
+    fits = one_of_nested(fits, null) if frame.replays else fits
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), looked=found)

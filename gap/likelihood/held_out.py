@@ -21,7 +21,8 @@ def held_out(null: Fit, best: Fit) -> Shrinkage | None:
     if isinstance(f, Replays):
         rows = slice(f.skipped, None)
         first = round(SEEN * len(f.Y)) - f.skipped
-        return shrinkage(before.e[rows], after.e[rows], f.floor.mean / len(f.signals), first)
+        after_e = after.missed / np.sqrt(before.S)  # in one unit, whatever noise each has
+        return shrinkage(before.e[rows], after_e[rows], f.floor.mean / len(f.signals), first)
     # innovations of a mixture are of unit size by what they are
     e = after.e if after.mixed is None else np.where(np.isnan(after.e), np.nan, 1.0)
     return shrinkage_of_losses(before.losses, after.losses, e, round(SEEN * len(e)))

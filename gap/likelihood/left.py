@@ -21,6 +21,7 @@ GAINED = 12.0  # nats that what is left may lie above that
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nearly
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
+SMALLEST = 1e-9  # [nats]
 OWN_RUNS = 4  # runs of the model with the effect
 
 
@@ -40,6 +41,7 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
         # runs with a hidden mode that is missed now and then leave anything: that alone proves nothing
         if beyond > limit and null is not None and share(fit, null) >= LEAST:
             limit = max(limit, _own_runs(fit, far, seed))
+    unit = max(unit, SMALLEST)  # of runs without noise all losses are the same
     return Verdict(beyond / unit, "its loss", ALARM if beyond > limit else 1.0, limit / unit)
 
 

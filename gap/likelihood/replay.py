@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close, source_name
 from stickslip.gap.floors.cache import keep, kept
@@ -50,6 +51,12 @@ class Replays(Frame):
     def skipped(self) -> int:
         """Rows at the beginning that are not judged."""
         return self.floor.skipped
+
+    @property
+    def changing(self) -> tuple[str, ...]:
+        """Signals without a level, whose change is judged; a stem is held to the OP of each row."""
+        moves = [s for s, yes in zip(self.record.pinned, self.floor.changes, strict=True) if yes]
+        return tuple(s for s in moves if self.model.blocks[self.model.driven[s][0]].role is not Role.VALVE)
 
     @cached_property
     def at_limit(self) -> NDArray[np.bool_]:
@@ -124,7 +131,7 @@ def left_by_replays(
     f, record, diagram = one.frame, one.frame.record, one.silent
     settings = [one.settings(values) for values in many]
     moving = {*record.leads, *record.ramps} & {*record.played}
-    if moving:
+    if moving and record.filter is None:  # which knows when inputs switch
         diagram = close(diagram, {s: record.source(s, name=source_name(diagram, s)) for s in moving})
         record = replace(record, played=tuple(s for s in record.played if s not in moving))
     keys = [k for k in settings[0] if k not in one.drawing]

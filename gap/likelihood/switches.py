@@ -28,7 +28,7 @@ def with_switches(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that switch when it suits the record; the same if none does."""
     frame = now.hypothesis.frame
     switching = [s for s in frame.record.played if switches(frame.record.log, s)]
-    if not switching or not _shows(now, switching):
+    if not switching or frame.record.filter is not None or not _shows(now, switching):
         return now
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
@@ -55,7 +55,7 @@ def _shows(now: Innovations, switching: Sequence[str]) -> bool:
 def with_ramps(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do."""
     frame = now.hypothesis.frame
-    for s in frame.record.played:
+    for s in frame.record.played if frame.record.filter is None else ():
         if moves(frame.record, s):
             record = replace(frame.record, ramps=frame.record.ramps | {s})
             doubts = {**frame.doubts, s: in_lines(record, s)}

@@ -118,7 +118,9 @@ def _named(o: Outcome) -> GapReport:
 
 def _unknown(o: Outcome) -> GapReport:
     elsewhere = o.stem is not None and not o.stem.follows
-    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(o.null.hypothesis.frame, o.null.best.judged)
+    f = o.null.hypothesis.frame
+    changing = f.changing if isinstance(f, Replays) else None
+    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(f, o.null.best.judged, changing)
     best = o.fits[0] if o.fits else None
     place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]

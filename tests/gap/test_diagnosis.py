@@ -106,7 +106,7 @@ def test_a_block_alone_is_no_model():
 
 def test_the_pictures_show_the_place(recorded):
     report = diagnose(ideal_flow(), recorded("sensor_bias", "sensor", offset=0.03), catalogue=FEW[-1:], progress=False)
-    assert [ax.get_ylabel().split("\n")[0] for ax in report.plot().axes] == ["residual of OP", "residual of PV"]
+    assert [ax.get_ylabel().split("\n")[0] for ax in report.plot().axes] == ["residual of PV", "residual of OP"]
     assert report.plot_diagram().axes
 
 

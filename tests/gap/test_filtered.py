@@ -1,5 +1,7 @@
 """Large diagrams by a filter: how a log cuts them, what jumps between rows, and what is named in a separator."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from stickslip.blocks import Staircase
@@ -8,10 +10,14 @@ from stickslip.diagram import simulate
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.floors.floor import Floor
-from stickslip.gap.floors.problem import Problem, Settled
+from stickslip.gap.likelihood.fit import unfitted
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.left import judged_by_loss
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.linearised.between import jumps
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.parts import parts
+from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import read, silenced
 
 from benchmarks.gap.plant import MODELS, PlantRun
@@ -41,7 +47,7 @@ def test_a_plant_with_an_unmeasured_feed_has_a_filter_that_knows_the_feed_as_a_l
     assert list(found.filter.loads) == ["F_in"] and "F_in" in found.filter.parts.rest
 
 
-@pytest.mark.parametrize("spread", [0.0, 1.0, 100.0])
+@pytest.mark.parametrize("spread", [1.0, 100.0])
 def test_a_large_diagram_alarms_at_three_and_a_half_standard_deviations_of_its_runs(healthy, spread):
     # expected: F + 3.5 sd, analytic, F and sd of the runs without a gap; a loop's own limit is wider
     model, quiet, record = seen(healthy)
@@ -49,11 +55,12 @@ def test_a_large_diagram_alarms_at_three_and_a_half_standard_deviations_of_its_r
     rows, signals = len(record.log) - 20, len(found.pinned)
     scores = 4000.0 + spread * np.array([-1.0, 0.0, 1.0])
     floor = Floor(np.zeros(signals, dtype=bool), np.zeros((0, signals, signals)), np.eye(signals), 20, scores, rows)
-    settled = Settled({}, np.zeros((rows, signals)))
-    large = Problem(model, quiet, found, floor, {}, settled=settled)
-    assert large.limit == pytest.approx(4000.0 + 3.5 * spread)
-    small = Problem(model, quiet, record, floor, {}, settled=settled)
-    assert small.limit == pytest.approx(4000.0 + 4.5 * spread)
+    for kind, limit in ((found, 3.5), (record, 4.5)):
+        one = Hypothesis(Replays(Given(model), replace(kind, pinned=found.pinned), floor=floor))
+        e = np.where(np.arange(len(record.log))[:, None] < 20, np.nan, 0.0) * np.ones(signals)
+        as_usual = unfitted(Innovations(one, {}, e, np.ones_like(e), None, np.zeros(len(e), bool), np.zeros((0, 0))))
+        verdict = judged_by_loss(as_usual)
+        assert verdict.limit == pytest.approx(limit) and verdict.size == pytest.approx(-4000.0 / spread, rel=1e-3)
 
 
 def test_the_true_characteristic_leaves_next_to_nothing_on_a_record_that_starts_away_from_its_rest():
@@ -118,7 +125,7 @@ def test_an_effect_is_named_at_its_place(name, place):
     known = [effect(one) for one in ("vapour_pressure", *dict(NAMED))]
     report = diagnose(MODELS["separator_section"][0](), log, catalogue=known)
     assert (report.causes[0].effect, report.where.confidence_set) == (name, (place,))
-    assert report.evidence.kind.startswith("segments, ") and not report.causes[0].ambiguous_with
+    assert not report.causes[0].ambiguous_with
 
 
 def test_a_process_that_runs_away_explains_nothing(healthy):
