@@ -1,10 +1,10 @@
-"""PID controller that computes at scan times, as a DCS does: position or velocity form, filtered derivative, weights.
+"""PID controller that computes at scan times, as a DCS does: positional or velocity form, derivative, weights.
 
     f_k  = f_(k-1) + dt/(T_f + dt) (c SP_k - PV_k - f_(k-1))       sampled at t_k = offset + k dt
     D_k  = T_d (f_k - f_(k-1)) / dt                                T_f = T_d/N
     w_k  = action (b SP_k - PV_k + D_k),    e_k = action (SP_k - PV_k)
 
-position    v_k = K_p w_k + z_k,  OP_k = v_k limited to low ... high, held until t_(k+1);  z and its anti-windup as in
+positional  v_k = K_p w_k + z_k,  OP_k = v_k limited to low ... high, held until t_(k+1);  z and its anti-windup as in
             sampled_pi, by e_k
 velocity    OP_k = OP_(k-1) + K_p (w_k - w_(k-1)) + dt K_p e_(k-1) / T_i, limited;  e_k with integral="present"
 
@@ -16,8 +16,8 @@ b, c weights of the set point in the proportional and the derivative part [-]: c
      error, b = 0 proportional on PV
 low, high, T_t, action, dt, offset, present   as in sampled_pi.  OP in per cent: high = 100
 
-The velocity form is the position form whose tracking takes back at once what lies beyond a limit, T_t -> 0: z_(k+1) is
-then OP_k - K_p w_k + dt K_p e_k / T_i.  It has nothing that winds up.
+The velocity form is the positional form whose tracking takes back at once what lies beyond a limit, T_t -> 0:
+z_(k+1) is then OP_k - K_p w_k + dt K_p e_k / T_i.  It has nothing that winds up.
 A controller in series form with K', T_i', T_d' has T_i = T_i' + T_d', K_p = K' T_i/T_i', T_d = T_i' T_d'/T_i.
 
 It approaches the continuous PID with first order as dt -> 0.  With respect to the loop the hold adds about dt/2 of dead
@@ -37,7 +37,7 @@ from stickslip.blocks.ports import BlockError, nearest, require
 from stickslip.blocks.rules import not_negative
 from stickslip.blocks.sampled_pi import SampledPI, taken, taken_within
 
-FORMS = ("position", "velocity")
+FORMS = ("positional", "velocity")
 USUAL = 10.0  # N of most controllers
 AT_ONCE = 1e-9  # [s] tracking time of the velocity form, shorter than any scan
 LEAST = 0.1  # scans of the derivative's filter in the continuous twin: a shorter one is not seen between samples
@@ -63,9 +63,9 @@ def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 class SampledPID(SampledPI):
-    """PID controller, ideal form, with scan time ``dt`` [s]; see the module docstring for the equations.
+    """PID controller, ideal form, with scan time ``dt`` [s], first at ``offset`` [s]; see the module docstring.
 
-    ``form``: "position", or "velocity", which has no ``anti_windup`` and no ``T_t``.  ``N`` or, in its place, ``T_f``
+    ``form``: "positional", or "velocity", which has no ``anti_windup`` and no ``T_t``.  ``N`` or, in its place, ``T_f``
     [s], the time constant of the derivative's filter; the parameter is N = T_d/T_f.  ``integral``, ``anti_windup``,
     ``action`` as of ``SampledPI``; ``low``, ``high`` [unit of OP]; ``T_t`` [s].
     Bumpless start: OP starts at ``start_op`` [unit of OP] if SP and PV start at ``start_SP`` and ``start_PV`` [unit of
@@ -86,7 +86,7 @@ class SampledPID(SampledPI):
 
     def __init__(
         self, K_p: float, T_i: float = math.inf, T_d: float = 0.0, *, dt: float, offset: float = 0.0,
-        form: str = "position", N: float | None = None, T_f: float | None = None, b: float = 1.0, c: float = 0.0,
+        form: str = "positional", N: float | None = None, T_f: float | None = None, b: float = 1.0, c: float = 0.0,
         low: float = 0.0, high: float = 1.0, action: str = "reverse", anti_windup: str = "back_calculation",
         integral: str = "previous", T_t: float = 0.0, start_op: float | None = None, start_SP: float = 0.0,
         start_PV: float = 0.0, name: str = "controller", **labels: Any,

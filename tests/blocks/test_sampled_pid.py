@@ -24,8 +24,8 @@ def acting(SP, PV, *, T_d, T_f, dt, b, c, sign):
     return P, np.array(D)
 
 
-def position(SP, PV, *, K_p, T_i, low, high, dt, sign, present, anti_windup="none", T_t=math.inf, start=0.0, **rest):
-    """Independent reference: the position form, from equations alone."""
+def positional(SP, PV, *, K_p, T_i, low, high, dt, sign, present, anti_windup="none", T_t=math.inf, start=0.0, **rest):
+    """Independent reference: the positional form, from equations alone."""
     P, D = acting(SP, PV, dt=dt, sign=sign, **rest)
     total, OP = start, []
     for now, e in zip(P + D, sign * (SP - PV), strict=True):
@@ -77,7 +77,7 @@ def test_it_computes_its_difference_equations(kind, b, c, action, integral):
     pid = SampledPID(
         **TUNING, **law, **form, **tracking, T_f=0.8, dt=dt, action=action, integral=integral, start_op=0.1
     )
-    reference = velocity if kind == "velocity" else position
+    reference = velocity if kind == "velocity" else positional
     named = {} if kind == "velocity" else {"anti_windup": kind, **tracking}
     expected = reference(
         SP, PV, **TUNING, **law, **named, T_f=0.8, dt=dt, sign=1.0 if action == "reverse" else -1.0,
@@ -112,7 +112,7 @@ def test_whatever_its_tuning_it_follows_the_equations_within_its_limits(
     law = {"K_p": K_p, "T_i": T_i, "T_d": T_d, "T_f": lag, "dt": dt, "b": b, "c": c, "low": -0.2, "high": 0.7,
            "sign": -1.0 if direct else 1.0, "present": present}  # fmt: skip
     tracked = {"anti_windup": kind, "T_t": T_i}
-    expected = velocity(SP, PV, **law) if kind == "velocity" else position(SP, PV, **law, **tracked)
+    expected = velocity(SP, PV, **law) if kind == "velocity" else positional(SP, PV, **law, **tracked)
     size = K_p * (1.0 + T_d / dt) * (1.0 + dt / T_i) * len(SP)
     assert np.all((np.array(OP) >= -0.2) & (np.array(OP) <= 0.7))
     if kind != "conditional":  # whose switch may fall on either side of a limit that is met to the last digit
@@ -171,11 +171,11 @@ def test_the_velocity_form_does_not_wind_up():
     own = {"K_p": 1.0, "T_i": 10.0, "T_d": 0.0, "dt": 1.0}
     OP = {
         name: drive(SampledPID(**own, **form), 600.0, every=1.0, SP=SP, PV=0.0).log["OP"]
-        for name, form in {"velocity": {"form": "velocity"}, "position": {"anti_windup": "none"}}.items()
+        for name, form in {"velocity": {"form": "velocity"}, "positional": {"anti_windup": "none"}}.items()
     }
     assert OP["velocity"][99] == 1.0
     assert OP["velocity"][100] == pytest.approx(1.0 - 0.6 + 0.05)  # analytic: e of the scan before
-    assert np.flatnonzero(OP["position"][100:] < 1.0 - 1e-9)[0] == 391  # analytic: z = 5 - 0.01 k
+    assert np.flatnonzero(OP["positional"][100:] < 1.0 - 1e-9)[0] == 391  # analytic: z = 5 - 0.01 k
 
 
 def test_per_cent_are_fractions_times_a_hundred():
@@ -186,7 +186,7 @@ def test_per_cent_are_fractions_times_a_hundred():
     np.testing.assert_allclose(percent, 100.0 * fraction, atol=1e-10)
 
 
-@pytest.mark.parametrize("form", ["position", "velocity"])
+@pytest.mark.parametrize("form", ["positional", "velocity"])
 def test_it_starts_without_a_bump_and_scans_from_its_offset(form):
     pid = SampledPID(0.8, 20.0, 4.0, dt=2.0, offset=1.0, b=0.5, c=0.2, form=form, high=100.0, start_op=37.0,
                      start_SP=61.0, start_PV=61.0)  # fmt: skip
@@ -241,7 +241,7 @@ def test_its_twin_has_its_settings(T_d, N):
         SampledPID(1.3, 7.0, 2.0, dt=1.0, b=0.2, c=0.5, high=100.0),
         SampledPID(1.3, 7.0, 2.0, dt=1.0, form="velocity", action="direct", high=100.0),
     ],
-    ids=["PI", "gap", "position", "velocity"],
+    ids=["PI", "gap", "positional", "velocity"],
 )
 def test_settled_it_gives_its_output_and_goes_on_giving_it(block):
     u = [80.0, 80.0]
@@ -260,7 +260,7 @@ def test_settled_it_gives_its_output_and_goes_on_giving_it(block):
         (lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, N=8.0, T_f=0.1), ["N = 8.0", "one of the two"]),
         (lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, T_f=-0.1), ["T_f = -0.1", "0 for none"]),
         (lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, b=-0.1), ["b = -0.1", "0 to 1"]),
-        (lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, form="speed"), ["form = 'speed'", "position"]),
+        (lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, form="speed"), ["form = 'speed'", "positional"]),
         (
             lambda: SampledPID(1.0, 5.0, 1.0, dt=1.0, form="velocity", anti_windup="conditional"),
             ["anti_windup = 'conditional'", "leave it out"],
