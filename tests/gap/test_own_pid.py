@@ -9,10 +9,13 @@ from stickslip.diagram import drive, simulate, wire
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.exact.operating import inside
+from stickslip.gap.likelihood.diagnosing import frame_of
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.start import start_values
 
 from tests.gap.plain_tank import SCAN, T_I, K, logged, model
+from tests.gap.test_unlogged_ways import engine_log
 
 FEW = [effect(name) for name in ("derivative_action", "controller_gain", "controller_integral_time", "process_gain")]
 T_D = 10.0
@@ -64,6 +67,15 @@ def test_a_start_that_is_far_off_is_found():
         found = start_values(silenced(quiet), record)
         assert found["controller.f"] == pytest.approx(-float(record.log["PV"][0]), rel=0.05)
         assert found["controller.z"] == pytest.approx(0.5 + K * (1.0 - b), abs=0.05)
+
+
+def test_behind_a_limit_only_its_integral_part_is_unknown():
+    slow = own(T_d=40.0, N=0.4)  # the filter of its derivative remembers for minutes what SP and PV were
+    log = engine_log(slow, 3, 2.0, duration=2400.0, levels=(1.0, 1.3, 0.9))
+    frame = frame_of(*read(slow, log))
+    last, op = int(np.flatnonzero(frame.scans.limited[0])[-1]), frame.signals.index("OP")
+    S = Hypothesis(frame).filtered({}).S[:, op]
+    assert S[last + 3] < 2.0 * S[last - 20]  # 6 times as large if the filter's memory were unknown too
 
 
 def test_far_from_its_start_it_is_linearised_between_its_limits():
