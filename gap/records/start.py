@@ -71,7 +71,8 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
 
 def _settled(quiet: Diagram, record: Record) -> dict[str, float]:
     """Return the memories of controllers as they are if all that they read and give has been as in the first row."""
-    first, found = record.first, {}
+    first = record.first
+    found: dict[str, float] = {}
     for block in quiet.blocks:
         if block.role is Role.CONTROLLER and {*block.input_labels, *block.output_labels} <= first.keys():
             u, y = (np.array([first[str(s)] for s in labels]) for labels in (block.input_labels, block.output_labels))

@@ -32,8 +32,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": SAMPLED,
-        "SampledPID": SAMPLED,
-        "GapPI": "Shinskey 1996", "RelayTuner": "Astrom and Hagglund 1984",
+        "SampledPID": SAMPLED, "GapPI": "Shinskey 1996", "RelayTuner": "Astrom and Hagglund 1984",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Against stick: controller to valve": {
