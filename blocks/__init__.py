@@ -2,7 +2,7 @@
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
 log on top   Pin (of a signal)   Historian (reads, gives nothing)
-controllers  PI PID SampledPI GapPI RelayTuner
+controllers  PI PID SampledPI SampledPID GapPI RelayTuner
 against stick  Knocker ConstantReinforcement TwoMove (between controller and valve)
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem RestingStem (physical)   Deadband IdealValve
              Characteristic
@@ -74,6 +74,7 @@ from stickslip.blocks.resting_stem import RestingStem
 from stickslip.blocks.sampled_filter import SampledFilter
 from stickslip.blocks.sampled_function import SampledFunction
 from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sampled_pid import SampledPID
 from stickslip.blocks.saturation import Saturation
 from stickslip.blocks.scrubber import Scrubber
 from stickslip.blocks.second_order import SecondOrder
@@ -158,6 +159,7 @@ __all__ = [
     "SampledFilter",
     "SampledFunction",
     "SampledPI",
+    "SampledPID",
     "SampledSensor",
     "Saturation",
     "Scrubber",

@@ -157,6 +157,10 @@ class Block(ControlView):
         """Return why the block's equations end at its start values, with the numbers; "" if they do not."""
         return ""
 
+    def settled(self, u: Floats, y: Floats) -> Self:
+        """Return the block as it is when ``u`` has entered for long and it gives ``y``, if its memory can be told."""
+        return self
+
     def smooth(self) -> "Block":
         """Return the continuous block of which slopes are taken (its own continuous limit).
 

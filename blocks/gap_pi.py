@@ -21,7 +21,7 @@ from typing import Any
 
 from stickslip.blocks.ports import require
 from stickslip.blocks.rules import not_negative
-from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sampled_pi import SampledPI, taken
 
 # p = as sampled_pi, gap, zone; d = z
 
@@ -29,11 +29,7 @@ from stickslip.blocks.sampled_pi import SampledPI
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     e = p[5] * (u[0] - u[1])
     over = e - p[9] if e > p[9] else e + p[9] if e < -p[9] else 0.0
-    gained = p[6] * p[0] * over / p[1] if abs(e) > p[10] else 0.0
-    v = p[0] * over + d[0] + p[8] * gained
-    y[0] = min(max(v, p[2]), p[3])
-    track = p[6] / (p[4] if p[4] > 0.0 else p[1])
-    d[0] += gained + min(track, 1.0) * (y[0] - v)
+    taken(over, over if abs(e) > p[10] else 0.0, d, p, y)
 
 
 class GapPI(SampledPI):

@@ -18,7 +18,7 @@ T_t  tracking time [s] (0: sqrt(T_i T_d))
 Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, sections 3.3 to 3.5.
 Valid for a continuous measurement; not for: noise without its own filter (a gain of K_p (1 + N) meets it), a sampled
 controller.  Reaching and leaving a limit are located events.
-See also: pi (no derivative, three kinds of anti-windup), sampled_pi.
+See also: pi (no derivative, three kinds of anti-windup), sampled_pid.
 """
 
 import math

@@ -75,6 +75,7 @@ TRIALS: dict[str, Trial] = {
     "PI": Trial("PI(2.0, 10.0)", around=LOOP),
     "PID": Trial("PID(2.0, 10.0, 1.0)", around=LOOP),
     "SampledPI": Trial("SampledPI(2.0, 10.0, dt=0.5)", around=LOOP),
+    "SampledPID": Trial("SampledPID(2.0, 10.0, 1.0, dt=0.1)", around=LOOP),
     "GapPI": Trial("GapPI(2.0, 10.0, dt=0.5, gap=0.01)", around=LOOP),
     "RelayTuner": Trial(
         "RelayTuner(0.1, bias=0.3, dt=0.1)",

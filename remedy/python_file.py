@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from stickslip.remedy.controller import series
 from stickslip.remedy.loop_fit import LoopFit
 
 __all__ = ["python_of"]
@@ -25,7 +24,7 @@ from stickslip.diagram import simulate, wire
 
 loop = wire([
     Step("SP", 0.0),
-    SampledPI(K_p={K_p:.6g}, T_i={T_i}, dt={dt:.6g}, low={low}, high={high}, action="{action}"),
+    {controller}({tuning}, dt={dt:.6g}, low={low}, high={high}, action="{action}"),
     {valve},
     FirstOrder(1.0, {tau_2:.6g}, name="second lag", inputs="MV", outputs="MV_2"),
     {process},
@@ -42,9 +41,12 @@ if __name__ == "__main__":
 
 
 def python_of(fit: LoopFit) -> str:
-    """Return the file as text; a derivative or a filter is left out of it, and the table says so."""
+    """Return the file as text; a filter of PV is left out of it, and the table says so."""
     law, one, day = fit.controller, fit.best, fit.days[0]
-    K_p, T_i, _ = series(fit.controller)
+    controller = "SampledPID" if law.T_d > 0.0 else "SampledPI"
+    tuning = f"K_p={abs(law.K_p):.6g}, T_i={'inf' if math.isinf(law.T_i) else f'{law.T_i:.6g}'}"
+    if law.T_d > 0.0:
+        tuning += f", T_d={law.T_d:.6g}, N=inf"
     op0 = float(np.mean(day.op))
     pv0 = float(np.mean(day.pv if day.sp is None else day.sp))
     stem, of = ("ChenValve", "") if one.follows else ("HeValve", ".from_bands")
@@ -58,8 +60,8 @@ def python_of(fit: LoopFit) -> str:
     return PAGE.format(
         name=fit.name or "of this log", op0=op0, pv0=pv0, op_unit=fit.op_unit, pv_unit=fit.pv_unit or "of PV",
         rows="\n".join(f"{what:22} {value} [{unit}]" for what, value, unit in fit.rows()),
-        imports=", ".join(sorted({"Noise", "SampledPI", "Step", "Sum", "FirstOrder", stem, kind})),
-        K_p=K_p, T_i="inf" if math.isinf(T_i) else f"{T_i:.6g}", dt=law.dt, low=_limit(law.low - op0),
+        imports=", ".join(sorted({"Noise", controller, "Step", "Sum", "FirstOrder", stem, kind})),
+        controller=controller, tuning=tuning, dt=law.dt, low=_limit(law.low - op0),
         high=_limit(law.high - op0), action="reverse" if law.K_p > 0.0 else "direct", valve=valve,
         tau_2=max(one.tau_2, 0.01 * law.dt), process=process, load=fit.load_sd.value or 0.0, memory=memory,
         noise=fit.noise_sd.value or 0.0,

@@ -3,7 +3,8 @@
     v = K_p (SP - PV - D) + K_p/T_i integral of (SP - PV),      D = N (PV - f),   T_d/N df/dt = PV - f
 
 What enters only the proportional part is the same as if it entered PV without what a lag of T_i makes of it, but for
-limits.  Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 3.3.
+limits.  A controller that has a derivative gets another one.
+Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 3.3.
 """
 
 import math
@@ -19,6 +20,7 @@ from stickslip.gap.insertion.effect import Parameter, above, not_below
 from stickslip.gap.insertion.of_controller import AtScans, OfController
 
 LEAST = 1e-9  # derivative time [s] below which there is none
+MISSING = 1e-3  # of the smallest derivative time that is searched for: no log shows as little
 
 
 def _out(f: float, x: float, in_: float, N: float) -> float:
@@ -87,6 +89,7 @@ class DerivativeAction(OfController):
     )
     reads = ("PV",)
     state = "f"
+    own = ("T_d", "N")
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return PV and its derivative."""
@@ -97,10 +100,18 @@ class DerivativeAction(OfController):
         own = {"N": 10.0, "T_f": 1.0, "T_i": T_i, "late": self.late(at)}
         return ScannedDerivative("out", "in", own, **self.scans(at), name=self.block(place))
 
+    def bounds(self, diagram: Diagram, place: str) -> dict[str, tuple[float, float]]:
+        """Return the bounds; a derivative that the model has may be missing in the plant."""
+        found = super().bounds(diagram, place)
+        low, high = found["T_d"]
+        return found | {"T_d": (MISSING * low, high)} if diagram[place].params.get("T_d", 0.0) > 0.0 else found
+
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the filter of the derivative as parameters of the block."""
-        own, lag = self.block(place), np.maximum(values["T_d"], LEAST) / values["N"]
-        return {f"{own}.N": values["N"], f"{own}.T_f": lag}
+        """Return the filter of the derivative as parameters of the block, or both as parameters of the controller."""
+        T_d = np.maximum(values["T_d"], LEAST)
+        if self.has(diagram[place]):
+            return {f"{place}.T_d": T_d, f"{place}.N": values["N"]}
+        return {f"{self.block(place)}.N": values["N"], f"{self.block(place)}.T_f": T_d / values["N"]}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
         """Return what is wrong with the values."""

@@ -49,8 +49,9 @@ class GainSchedule(Effect):
     parameters = (Parameter("slope", "1/PV", 0.0, -3.0, 3.0),)
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
-        """Return whether the controller reads SP and PV."""
-        return all(block.loop_signal(part) in block.input_labels for part in ("SP", "PV"))
+        """Return whether the controller reads SP and PV, and answers their difference alone."""
+        whole = block.params.get("b", 1.0) == 1.0
+        return whole and all(block.loop_signal(part) in block.input_labels for part in ("SP", "PV"))
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with a set point whose error is larger."""

@@ -1,8 +1,9 @@
 """Scan time: the controller computes every ``period`` [s] only and holds OP in between; 0 is continuous.
 
-A continuous PI controller becomes a sampled one with its settings; one that scans gets another period.  Two things that
-a log does not say but a replay needs come with it: ``offset``, the time of the first scan [s], and ``present``, whether
-the integral takes in the present error before the output is made (1) or after it (0); makers do either.
+A continuous PI or PID controller becomes a sampled one with its settings; one that scans gets another period.  Two
+things that a log does not say but a replay needs come with it: ``offset``, the time of the first scan [s], and
+``present``, whether the integral takes in the present error before the output is made (1) or after it (0); makers do
+either.
 """
 
 import math
@@ -11,8 +12,10 @@ from typing import Any
 
 from stickslip.blocks.block import Block
 from stickslip.blocks.pi import PI
+from stickslip.blocks.pid import PID
 from stickslip.blocks.role import Role
 from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sampled_pid import SampledPID
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Effect, Parameter, not_below
 
@@ -35,20 +38,27 @@ class ScanTime(Effect):
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether there is a sampled form of the controller."""
-        return isinstance(block, PI | SampledPI)
+        return isinstance(block, PI | PID | SampledPI)
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with a continuous controller replaced by a sampled one of the same settings."""
         old = diagram[place]
-        if not isinstance(old, PI):
+        if not isinstance(old, PI | PID):
             return diagram
         own = old.params
-        new = SampledPI(
-            own["K_p"], own["T_i"], dt=1.0, low=own["low"], high=own["high"], anti_windup=old.anti_windup,
-            action="reverse" if own["action"] > 0.0 else "direct", T_t=min(own["T_t"], 1e300), units=old.units,
-            spans=old.spans, name=place,
+        shared: dict[str, Any] = {
+            "dt": 1.0, "low": own["low"], "high": own["high"], "action": "reverse" if own["action"] > 0.0 else "direct",
+            "units": old.units, "spans": old.spans, "name": place,
+        }  # fmt: skip
+        new = (
+            SampledPI(own["K_p"], own["T_i"], T_t=min(own["T_t"], 1e300), anti_windup=old.anti_windup, **shared)
+            if isinstance(old, PI)
+            else SampledPID(
+                own["K_p"], own["T_i"], own["T_d"], N=own["N"], b=own["b"], c=own["c"],
+                T_t=own["T_t"] or math.sqrt(own["T_i"] * own["T_d"]), **shared,
+            )
         )  # fmt: skip
-        return diagram.replace(place, new.starting_at(z=float(old.x0[0])))
+        return diagram.replace(place, new.starting_at(**dict(zip(old.state_names, old.x0.tolist(), strict=True))))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return period, first scan and kind of the integral."""

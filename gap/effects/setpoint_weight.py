@@ -2,7 +2,7 @@
 
     v = K_p (b SP - PV) + K_p/T_i integral of (SP - PV)
 
-It is the same as SP behind (1 + b T_i s)/(1 + T_i s), but for limits.
+It is the same as SP behind (1 + b T_i s)/(1 + T_i s), but for limits.  A controller that has a weight gets another one.
 Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, section 3.4.
 """
 
@@ -29,10 +29,11 @@ class SetpointWeight(OfController):
     name = "setpoint_weight"
     parameters = (Parameter("b", "-", 1.0, 0.0, 2.0),)
     state = "x"
+    own = ("b",)
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
-        """Return whether the controller reads SP and has an integral time."""
-        return super().fits(diagram, block) and 0.0 < block.params.get("T_i", 0.0) < math.inf
+        """Return whether the controller reads SP and has a weight or an integral time."""
+        return super().fits(diagram, block) and (self.has(block) or 0.0 < block.params.get("T_i", 0.0) < math.inf)
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the lead and the lag."""
@@ -48,6 +49,8 @@ class SetpointWeight(OfController):
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the weight as the lead."""
         at, own = diagram[place], self.block(place)
+        if self.has(at):
+            return {f"{place}.b": values["b"]}
         return {f"{own}.ratio": values["b"]} if at.sampled else {f"{own}.T_lead": values["b"] * at.params["T_i"]}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:

@@ -96,7 +96,8 @@ class Exact:
         unknown = np.zeros((len(Y), len(rows.start)))
         for c, limited in enumerate(self.scans.limited):
             low, high = self.diagram[self.scans.controllers[c]].limits
-            unknown[np.ix_(limited, rows.memory[rows.of == c])] = (high - low) ** 2
+            integral = rows.memory[rows.of == c][:1]  # the rest of a memory follows SP and PV, whatever OP's limits
+            unknown[np.ix_(limited, integral)] = (high - low) ** 2
             Y = np.where(np.outer(limited, np.isin(self.signals, self.ops[c])), np.nan, Y)
         e, S, shown = (np.empty(Y.shape) for _ in range(3))
         filtered(

@@ -34,8 +34,6 @@ def operating(
 
 
 def inside(block: Block, near: Mapping[str, float]) -> Block:
-    """Return a controller with the memory that gives its usual output: a log may begin as if it were at a limit."""
-    names = block.seen_states()
-    if block.role is not Role.CONTROLLER or not block.sampled or not block.limit_params or not names:
-        return block
-    return block.starting_at(**{names[0]: near[str(block.output_labels[0])]})
+    """Return a block with the memory that gives its usual outputs: a log may begin as if it were at a limit."""
+    u, y = (np.array([near[str(s)] for s in labels]) for labels in (block.input_labels, block.output_labels))
+    return block.settled(u, y)

@@ -53,11 +53,33 @@ class ScannedLeadLag(AtScans):
 
 
 class OfController(Inserted):
-    """An effect in what a controller ``reads``, SP or PV; one that scans computes it at its scans."""
+    """An effect in what a controller ``reads``, SP or PV; one that scans computes it at its scans.
+
+    ``own``: the parameters that do the same in a controller that has them, by the names that the effect has for them.
+    """
 
     role = Role.CONTROLLER
     where = "before"
     reads = ("SP",)
+    own: ClassVar[tuple[str, ...]] = ()
+
+    def has(self, controller: Block) -> bool:
+        """Return whether a controller has parameters for the effect."""
+        return bool(self.own) and {*self.own} <= {*controller.param_names}
+
+    def put(self, diagram: Diagram, place: str) -> Diagram:
+        """Return the diagram with the block of the effect, as it is for a controller that has parameters for it."""
+        return diagram if self.has(diagram[place]) else super().put(diagram, place)
+
+    def nominal(self, diagram: Diagram, place: str) -> dict[str, float]:
+        """Return the neutral values; of a controller that has parameters for the effect what they are."""
+        controller = diagram[place]
+        found = super().nominal(diagram, place)
+        return found | {key: controller.params[key] for key in self.own} if self.has(controller) else found
+
+    def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
+        """Return the diagram with the block of the effect settled, as it is where there is none."""
+        return diagram if self.has(diagram[place]) else super().started(diagram, place, first)
 
     def enters(self, diagram: Diagram, block: Block) -> str | None:
         """Return the signal in whose path the effect lies, None if the controller does not read it."""

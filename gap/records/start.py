@@ -2,13 +2,15 @@
 
     min over s of  sum over the first rows and all pinned signals of ((o(s) - 0) / spread of the signal)^2
 
-by Gauss and Newton, from the model's own start values; what the first rows do not feel stays as the model says.
+by Gauss and Newton, from the model's own start values; what the first rows do not feel stays as the model says.  A
+model may start so far away that all slopes are hidden by limits: a controller may also start settled at the first row.
 """
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.records.model import smooth_memories
 from stickslip.gap.records.offsets import offsets
@@ -38,6 +40,8 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
     if not names:
         return {}
     values, cost = dict(names), np.inf
+    settled = _settled(quiet, record)
+    others = [{**names, **settled}] if settled else []
     for _ in range(ROUNDS):
         found = _tried(quiet, head, [values, *({**values, key: v + _step(v)} for key, v in values.items())]) / spread
         seen = np.isfinite(found).all(axis=0)
@@ -53,7 +57,8 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         ahead = [
             {**values, **{keys[k]: values[keys[k]] + share * float(c) for k, c in zip(felt, change, strict=True)}}
             for share in SHARES
-        ]
+        ] + others
+        others = []
         costs = [float(np.sum(one[np.isfinite(one)] ** 2)) for one in _tried(quiet, head, ahead) / spread]
         best = int(np.argmin(costs))
         if not costs[best] < cost:
@@ -62,6 +67,19 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         if costs[best] > 0.999 * cost:
             break
     return values
+
+
+def _settled(quiet: Diagram, record: Record) -> dict[str, float]:
+    """Return the memories of controllers as they are if all that they read and give has been as in the first row."""
+    first = record.first
+    found: dict[str, float] = {}
+    for block in quiet.blocks:
+        if block.role is Role.CONTROLLER and {*block.input_labels, *block.output_labels} <= first.keys():
+            u, y = (np.array([first[str(s)] for s in labels]) for labels in (block.input_labels, block.output_labels))
+            ready = block.settled(u, y)
+            found |= {f"{block.name}.{n}": float(v) for n, v in zip(block.memory_names, ready.d0, strict=True)
+                      if n in smooth_memories(block)}  # fmt: skip
+    return found
 
 
 def _tried(quiet: Diagram, head: Record, many: Sequence[Mapping[str, float]]) -> Floats:

@@ -31,8 +31,8 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK, "Historian": TEXTBOOK,
     },
     "Controllers": {
-        "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
-        "GapPI": "Shinskey 1996", "RelayTuner": "Astrom and Hagglund 1984",
+        "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": SAMPLED,
+        "SampledPID": SAMPLED, "GapPI": "Shinskey 1996", "RelayTuner": "Astrom and Hagglund 1984",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Against stick: controller to valve": {

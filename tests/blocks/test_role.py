@@ -60,7 +60,7 @@ def test_every_role_has_a_block() -> None:
         ("Constant", "source"), ("Sine", "source"), ("Slug", "disturbance"), ("Noise", "disturbance"),
         ("PI", "controller"), ("SampledPI", "controller"), ("AntiSurge", "controller"), ("StickSlip", "valve"),
         ("KanoValve", "valve"), ("Deadband", "valve"), ("ControlValveFlow", "process"), ("FirstOrder", "process"),
-        ("SampledSensor", "sensor"),
+        ("SampledSensor", "sensor"), ("SampledPID", "controller"),
         ("Historian", "historian"), ("Sum", "arithmetic"), ("DetectorBlock", "detector"), ("PrefilterBlock", "filter"),
     ],
 )  # fmt: skip

@@ -13,6 +13,7 @@ from stickslip.diagram import drive, simulate
 from stickslip.logs import LoopRecord
 from stickslip.remedy import FitError, cost, fit, python_of, remedies
 from stickslip.remedy.advice import LONG, SURE, TRAVEL, Cost
+from stickslip.remedy.controller import controller_of
 from stickslip.remedy.example import sticky
 from stickslip.remedy.measures import REMEDIES, half_gain
 from stickslip.remedy.measures.setting import Setting, Situation
@@ -212,6 +213,19 @@ def test_the_python_file_runs_and_swings_as_the_record(record, found):
     exec(compile(python_of(found), "loop.py", "exec"), space)
     run = simulate(space["loop"], 14400.0, every=2.0)
     assert float(np.std(run.log["PV"][900:])) == pytest.approx(float(np.std(record.e[900:])), rel=0.4)
+
+
+def test_the_python_file_has_the_derivative_of_the_controller(found):
+    space, law = {"__name__": "loop"}, replace(found.controller, T_d=7.0)
+    exec(compile(python_of(replace(found, controller=law)), "loop.py", "exec"), space)
+    rng = np.random.default_rng(4)
+    pv = 0.1 * rng.normal(size=500).cumsum()
+    t = law.dt * np.arange(500)
+    free = space["loop"]["controller"].with_params(low=-1e9, high=1e9)
+    read = controller_of(
+        drive(free, t[-1], every=law.dt, SP=0.0, PV=(t, pv)).log["OP"], pv, 0.0 * pv, law.dt, (-1e9, 1e9)
+    )
+    assert (read.K_p, read.T_i, read.T_d) == pytest.approx((law.K_p, law.T_i, 7.0), rel=1e-4)
 
 
 def test_a_process_that_does_not_answer_has_no_gain_and_no_tuning_by_it(found):
