@@ -73,13 +73,19 @@ def tried(
     ``best`` of the same rows is far ahead.
     """
     full = {**one.nominal, **values}
-    if one.effect and one.effect.rules(one.frame.model, one.place, {name: full[name] for name in one.own}):
+    if _ruled_out(one, full):
         return None
     try:
         found = one.filtered(full, near, most_runs=most_runs, best=best)
     except ArithmeticError:
         return None
     return found if math.isfinite(found.nll) else None
+
+
+def _ruled_out(one: Hypothesis, values: Mapping[str, float]) -> bool:
+    """Return whether an effect cannot have these values."""
+    own = {name: values[name] for name in one.own}
+    return one.effect is not None and bool(one.effect.rules(one.frame.model, one.place, own))
 
 
 def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near: Innovations | None = None) -> Fit:
@@ -120,12 +126,18 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     """Return slope of the nll, Fisher's information, the parameters that are felt, and slopes of the innovations."""
     one, rows = now.hypothesis, now.hypothesis.frame.counted
     missed, spread, gradient, felt = [], [], [], []
+    replays = _replayed(now, names) if one.frame.replays else {}
     for name in names:
         if not math.isfinite(now.values[name]):
             continue
         at, high = coordinate(one, name, now.values[name]), coordinate(one, name, one.bounds[name][1])
-        by, bent = PROBE if at + PROBE <= high else -PROBE, np.zeros(now.e.shape, dtype=np.bool_)
-        if name in one.noise_keys:
+        by, bent = _aside(at, high), np.zeros(now.e.shape, dtype=np.bool_)
+        if one.frame.replays:
+            known_probe = replays.get(name)
+            if known_probe is None:
+                continue
+            probe = known_probe
+        elif name in one.noise_keys:
             probe = one.noisier(now, {name: value(one, name, at + by)})
         else:
             found = _probed(now, name, at, by)
@@ -150,6 +162,23 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     _, pull, hold = _drawn(now)
     g = np.array(gradient) + [pull.get(name, 0.0) for name in felt]
     return g, D @ D.T + 0.5 * V @ V.T + np.diag([hold.get(name, 0.0) for name in felt]), felt, slopes
+
+
+def _aside(at: float, high: float) -> float:
+    """Return by how much a coordinate is changed to see its slope."""
+    return PROBE if at + PROBE <= high else -PROBE
+
+
+def _replayed(now: Innovations, names: Sequence[str]) -> dict[str, Innovations | None]:
+    """Return replays with each parameter a little aside, all at once."""
+    one, many = now.hypothesis, {}
+    for name in names:
+        if math.isfinite(now.values[name]):
+            at, high = coordinate(one, name, now.values[name]), coordinate(one, name, one.bounds[name][1])
+            ahead = {**now.values, name: value(one, name, at + _aside(at, high))}
+            if not _ruled_out(one, ahead):
+                many[name] = ahead
+    return dict(zip(many, one.replayed(list(many.values())), strict=True))
 
 
 def _loss(now: Innovations) -> float:

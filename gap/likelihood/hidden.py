@@ -41,8 +41,8 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
 
 
 def least_shown(null: Fit, one: Hypothesis, p: Parameter, needed: float = NEEDED) -> float | None:
-    """Return how far a size has to be from neutral to show, by what a small one changes; None where that says nothing."""
-    nominal, (low, high) = one.nominal[p.name], one.bounds[p.name]
+    """Return how far a size has to be from neutral to show, by what a small one changes; None: that says nothing."""
+    nominal, (_, high) = one.nominal[p.name], one.bounds[p.name]
     if not (math.isfinite(nominal) and p.smooth) or one.hides:
         return None
     first = nominal + FIRST * (high - nominal)

@@ -18,7 +18,7 @@ from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.prepared import Prepared, prepared
-from stickslip.gap.likelihood.replay import left_by_replays
+from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.records.model import silenced
 from stickslip.gap.records.record import Record
@@ -107,11 +107,14 @@ class Hypothesis(Statement):
 
     def replayed(self, many: "Sequence[Mapping[str, float]]", modes: bool = True) -> "list[Innovations | None]":
         """Return what replays of each of many sets of values leave, None of those that fail."""
+        f = self.frame
+        assert isinstance(f, Replays)
         full = [{**self.nominal, **values} for values in many]
-        none = np.zeros(len(self.frame.Y), dtype=np.bool_), np.zeros((0, 0))
+        found = left_by_replays(f, self.silent, [self.settings(own) for own in full], self.drawing, modes)
+        none = np.zeros(len(f.Y), dtype=np.bool_), np.zeros((0, 0))
         return [
-            None if one is None else Innovations(self, own, one[0], one[1], None, *none, charge=one[2])
-            for own, one in zip(full, left_by_replays(self, full, modes), strict=True)
+            None if left is None else Innovations(self, own, left.e, left.S, None, *none, charge=left.charge)
+            for own, left in zip(full, found, strict=True)
         ]
 
     def exactly(self, values: Mapping[str, float]) -> "Innovations | None":

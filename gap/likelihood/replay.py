@@ -9,7 +9,6 @@ white but for what runs of the model themselves show (``stickslip.gap.floors.flo
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +32,17 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class Left:
+    """What a replay leaves: innovations ``e`` (rows, signals), their variances ``S``, and what modes cost that were set
+    right, ``charge`` [nats].
+    """
+
+    e: Floats
+    S: Floats
+    charge: float
+
+
+@dataclass(frozen=True, eq=False)
 class Replays(Frame):
     """A frame whose hypotheses are replayed; ``floor`` what replays of runs without a gap leave."""
 
@@ -51,6 +61,16 @@ class Replays(Frame):
     def skipped(self) -> int:
         """Rows at the beginning that are not judged."""
         return self.floor.skipped
+
+    def scaled(self, e: Floats, charge: float, settings: Mapping[str, float]) -> Left:
+        """Return innovations of the scored rows in the noise that settings have, in place of what is stated."""
+        columns = [self.record.pinned.index(s) for s in self.signals]
+        unit, factor = np.diag(self.floor.L)[columns], np.ones(len(self.signals))
+        for block, signals in self.factors.items():
+            by = settings[f"{block}.sd"] / self.given.base.stated[f"{block}.sd"]
+            factor[[self.signals.index(s) for s in signals]] = by
+        whole = np.concatenate([np.full((self.floor.skipped, len(factor)), np.nan), e / factor])
+        return Left(whole, np.where(np.isnan(whole), np.nan, (unit * factor) ** 2), charge)
 
     @property
     def changing(self) -> tuple[str, ...]:
@@ -121,37 +141,35 @@ def replays_of(model: Diagram, record: Record, seed: int = 0) -> Replays:
 
 
 def left_by_replays(
-    one: Any, many: Sequence[Mapping[str, float]], modes: bool = True
-) -> list[tuple[Floats, Floats, float] | None]:
-    """Return innovations (rows, signals), their variances, and what modes cost that were set right, of each run; None
-    for one that fails.
+    f: Replays, silent: Diagram, many: Sequence[Mapping[str, float]], noise: frozenset[str], modes: bool = True
+) -> list[Left | None]:
+    """Return what a silent diagram leaves with each of many sets of parameters; None for a run that fails.
+
+    ``noise``: the parameters among these that only make random numbers larger; ``modes`` whether wrong modes of a stem
+    are set right.
     """
-    if not many:
+    keys = [key for key in (many[0] if many else {}) if key not in noise]
+    rows = [tuple(own[key] for key in keys) for own in many]
+    distinct = list(dict.fromkeys(rows))
+    found = dict(zip(distinct, _replayed(f, silent, keys, distinct, modes), strict=True))
+    return [None if found[row] is None else f.scaled(*found[row], own) for row, own in zip(rows, many, strict=True)]
+
+
+def _replayed(
+    f: Replays, silent: Diagram, keys: Sequence[str], rows: Sequence[tuple[float, ...]], modes: bool
+) -> list[tuple[Floats, float] | None]:
+    """Return innovations in the stated noise, and the charge of modes that were set right, of each run."""
+    if not rows:
         return []
-    f, record, diagram = one.frame, one.frame.record, one.silent
-    settings = [one.settings(values) for values in many]
+    record = f.record
     moving = {*record.leads, *record.ramps} & {*record.played}
     if moving and record.filter is None:  # which knows when inputs switch
-        diagram = close(diagram, {s: record.source(s, name=source_name(diagram, s)) for s in moving})
+        silent = close(silent, {s: record.source(s, name=source_name(silent, s)) for s in moving})
         record = replace(record, played=tuple(s for s in record.played if s not in moving))
-    keys = [k for k in settings[0] if k not in one.drawing]
-    params = {k: np.array([own[k] for own in settings]) for k in keys}
-    branches = branches_of(diagram, f.quiet, record, f.floor, params) if modes else None
-    found, kept = branched(diagram, record, params, branches=branches, workers=1)
-    columns = [record.pinned.index(s) for s in f.signals]
-    unit = np.diag(f.floor.L)[columns]
-    left = f.floor.innovations(found)[..., columns]
+    params = {key: np.array([row[k] for row in rows]) for k, key in enumerate(keys)}
+    branches = branches_of(silent, f.quiet, record, f.floor, params) if modes else None
+    found, kept = branched(silent, record, params, branches=branches, workers=1)
+    left = f.floor.innovations(found)[..., [record.pinned.index(s) for s in f.signals]]
     if f.floor.coloured and record.filter is None:
         left[:, f.at_limit[f.floor.skipped :][: left.shape[1]]] = np.nan
-    results: list[tuple[Floats, Floats, float] | None] = []
-    for own, e0, charge in zip(settings, left, kept, strict=True):
-        if np.isnan(e0).all():
-            results.append(None)
-            continue
-        factor = np.ones(len(f.signals))
-        for block, signals in f.factors.items():
-            for s in signals:
-                factor[f.signals.index(s)] = own[f"{block}.sd"] / f.given.base.stated[f"{block}.sd"]
-        e = np.concatenate([np.full((f.floor.skipped, len(f.signals)), np.nan), e0 / factor])
-        results.append((e, np.where(np.isnan(e), np.nan, (unit * factor) ** 2), CHARGE * float(charge)))
-    return results
+    return [None if np.isnan(e).all() else (e, CHARGE * charge) for e, charge in zip(left, kept.tolist(), strict=True)]
