@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
-from stickslip.gap.floors.floor import settling_rows
+from stickslip.gap.floors.floor import measured, settling_rows
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
@@ -18,6 +18,7 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import MOST_LEFT, enough, judged
+from stickslip.gap.likelihood.left import level
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.nesting import one_of_nested
 from stickslip.gap.likelihood.phase import in_phase
@@ -49,6 +50,8 @@ ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
 STEM_TIE = 8.0  # nats to which a bank of stems is sure: the same sizes with gains of other paths differed by as much
+DIGIT_RUNS = 12  # of the model with a sensor of few levels
+UNLIKE = 0.1  # share of their floor that a second effect gains: another program meets levels at other instants
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
 
 
@@ -167,6 +170,8 @@ def _likeliest(
             alone = replace(alone, gap=True)
         return replace(alone, stem=stem)
     alone = _explained(frame, catalogue, seed, progress)
+    if alone.textured and isinstance(frame, Replays) and not _of_log(alone.fits[0]):
+        return _beside_digits(frame, alone, catalogue, seed, progress)
     partly = bool(alone.named) and frame.replays and alone.best is not None and alone.best.unusual
     if not alone.gap or (alone.named and not partly) or not alone.fits or not _promising(alone):
         return alone
@@ -179,6 +184,30 @@ def _likeliest(
     if single is not None or not both.named:
         return single or alone
     return _pair(alone, both)
+
+
+def _of_log(fit: Fit) -> bool:
+    effect = fit.hypothesis.effect
+    return effect is not None and effect.of_log
+
+
+def _beside_digits(
+    frame: Replays, alone: Outcome, catalogue: Sequence[Effect], seed: int, progress: Progress
+) -> Outcome:
+    """Return what explains a record beside a sensor of few levels, which digits prove: these levels count as noise.
+
+    Through them nothing has slopes. Records of another program lay up to 6 % above the floor that they make.
+    """
+    first = alone.fits[0]
+    model = first.hypothesis.model(first.best.values)
+    floor, logs = measured(model, frame.quiet, frame.record, DIGIT_RUNS, seed + 1)
+    if len(logs) < DIGIT_RUNS // 2:
+        return alone
+    others = [effect for effect in catalogue if effect is not first.hypothesis.effect]
+    both = _explained(replace(frame, floor=floor), others, seed, progress)
+    if not both.named or both.null.nll - price(both.named[0]) <= UNLIKE * abs(level(both.null.best)):
+        return alone
+    return replace(both, firsts=(first,))
 
 
 def _pair(alone: Outcome, both: Outcome) -> Outcome:
@@ -274,7 +303,7 @@ def _explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: P
         best = beside_random(fits[0], best)
         unsure = STEM_TIE if mine.hides else TIE
         good = enough(fits[0], best, alone, null) and (frame.replays or not likelier(fits[0], null, unsure))
-    share = moved(fits[0], seed) if good or not alone.unusual else 1.0
+    share = moved(mine, fits[0].best.values, seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
     return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else (), rival=rival)

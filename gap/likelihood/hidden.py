@@ -9,23 +9,26 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from stickslip.gap.answers.seen import Seen
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Parameter
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.relevance import RELEVANT, moved
 from stickslip.gap.likelihood.scores import score
 
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
 STEMS = 4  # of a bank, times eight
 WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # [%] of plays that are tried
 NEEDED, FIRST = 6.0, 0.02  # nats that make a gap, and share of a range that is tried, where the least size is asked
+BEYOND, SLIGHT = 1.05, 1e-6  # of a size that moves as much as is relevant; share of a movement that is none
 MOST = 0.8  # of the range of a size, beyond which nothing is said of it
 
 
-def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> list[str]:
-    """Return in words the sizes from which on effects would have shown, of those that have a single size."""
+def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> list[Seen]:
+    """Return the sizes from which on effects would have shown, of those that have a single size."""
     said = []
     for one in found:
         hypothesis = one.hypothesis
@@ -35,8 +38,8 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
             continue
         size = _of_play(null, hypothesis, p, needed, seed) if hypothesis.hides else _of(null, one, p, needed, seed)
         if size is not None:
-            at = f"{hypothesis.effect.name} at {hypothesis.place}"
-            said.append(f"{at}, {p.name} {size}{'' if p.unit == '-' else f' {p.unit}'}")
+            nominal = hypothesis.nominal[p.name]
+            said.append(Seen(hypothesis.effect.name, hypothesis.place, p.name, size, p.unit, nominal))
     return said
 
 
@@ -51,7 +54,7 @@ def least_shown(null: Fit, one: Hypothesis, p: Parameter, needed: float = NEEDED
     return None if scored is None else (first - nominal) * math.sqrt(2.0 * needed) / scored[2]
 
 
-def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> str | None:
+def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> float | None:
     """Return the size that would have shown, None where none within its range does."""
     hypothesis = one.hypothesis
     nominal, first = hypothesis.nominal[p.name], one.values[p.name]
@@ -67,10 +70,20 @@ def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> st
         if not low <= nominal + by <= high or abs(by) > MOST * max(high - nominal, nominal - low):
             return None
         values = {**null.best.values, p.name: nominal + by}
+        by = _of_relevance(hypothesis, values, p.name, by, seed)
+        if not low <= nominal + by <= high:
+            return None
+        values[p.name] = nominal + by
         if _shows(null, hypothesis, values, needed, seed):
-            return f"{nominal:g} +- {abs(by):.2g}" if nominal else f"of more than {abs(by):.2g}"
+            return nominal + abs(by)
         by *= 2.0
     return None
+
+
+def _of_relevance(one: Hypothesis, values: dict[str, float], name: str, by: float, seed: int) -> float:
+    """Return how far a size has to be from neutral to move a signal by what is relevant, at least ``by``."""
+    share = moved(one, {**one.nominal, **values}, seed)
+    return by if share >= RELEVANT else by * BEYOND * RELEVANT / max(share, SLIGHT)
 
 
 def _shows(null: Fit, one: Hypothesis, values: dict[str, float], needed: float, seed: int) -> bool:
@@ -84,7 +97,7 @@ def _shows(null: Fit, one: Hypothesis, values: dict[str, float], needed: float, 
     return True
 
 
-def _of_play(null: Fit, one: Hypothesis, p: Parameter, needed: float, seed: int) -> str | None:
+def _of_play(null: Fit, one: Hypothesis, p: Parameter, needed: float, seed: int) -> float | None:
     """Return the width of a play that would have shown, of those that are tried."""
     f = one.frame
     if null.best.gains is not None:  # a bank across runs takes too long
@@ -97,5 +110,5 @@ def _of_play(null: Fit, one: Hypothesis, p: Parameter, needed: float, seed: int)
             with_play, none = (left_by_bank(run, {**values, p.name: w}, null.best, STEMS) for w in (width, 1e-3))
             gained.append(none.nll - with_play.nll)
         if gained and min(gained) >= needed:
-            return f"of more than {width:g}"
+            return width
     return None

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.diagram.changes import blocks_with_params
-from stickslip.diagram.diagram import Diagram
 from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
@@ -20,7 +19,6 @@ from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
-from stickslip.gap.records.model import silenced
 from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
@@ -162,17 +160,6 @@ class Hypothesis(Statement):
         """The latest filter of its own, which fits of other rows of the same record begin with."""
         return {}
 
-    def model(self, values: Mapping[str, float]) -> Diagram:
-        """Return the diagram, with its nuisances, that these values stand for."""
-        grouped: dict[str, dict[str, float]] = {}
-        for key, size in self.settings({**self.nominal, **values}).items():
-            block, _, name = key.rpartition(".")
-            grouped.setdefault(block, {})[name] = float(size)
-        found = self.changed
-        for block, own in grouped.items():
-            found = found.replace(block, found[block].with_params(**own))
-        return found
-
     @property
     def filtering(self) -> Frame:
         """What the hypotheses of a record share."""
@@ -192,11 +179,6 @@ class Hypothesis(Statement):
         """The parameters that only make the random numbers of the model larger, or slower."""
         sources = self.frame.noise if self.frame.replays else tuple(one for one, _ in self.prepared.noise)
         return frozenset(f"{one.block}.{key}" for one in sources for key in ("sd", "correlation_time"))
-
-    @cached_property
-    def silent(self) -> Diagram:
-        """The changed model without random numbers."""
-        return silenced(self.changed)
 
     def noise_with(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""

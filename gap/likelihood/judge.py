@@ -43,7 +43,10 @@ MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
 
 
 def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | None = None) -> Verdict:
-    """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not; ``null`` the model alone."""
+    """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not.
+
+    ``null``: the model alone.
+    """
     if isinstance(fit.hypothesis.frame, Replays):
         return judged_by_loss(fit, null, seed)
     away = [(f"a little of {c.hypothesis.effect.name} at {c.hypothesis.place}", c.direction)

@@ -5,9 +5,11 @@ share = rms(run with the effect - run without) / standard deviation of the run w
 of the stretch in which it moves most: a limit that is met at few switches matters there.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from stickslip.gap.floors.floor import unrounded
-from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 
 RUNS = 3
 STRETCHES = 20  # of a record
@@ -15,23 +17,22 @@ ALL = 1.0  # of its movement
 RELEVANT = 0.005  # of a signal's movement: no plant computes like its model, and what is less is no gap
 
 
-def moved(with_effect: Fit, seed: int = 0) -> float:
+def moved(one: Hypothesis, values: Mapping[str, float], seed: int = 0) -> float:
     """Return the share of its movement by which an effect moves the signal that it moves most.
 
     An effect with which a run fails, a level that leaves its tank, moves all.
     """
-    one = with_effect.hypothesis
-    frame, best = one.frame, with_effect.best.values
-    free = {key: best[key] for key in frame.free}
+    frame = one.frame
+    free = {key: values[key] for key in frame.free}
     neutral = type(one)(frame).model(free)
     without = unrounded(neutral, frame.record, RUNS, seed + 1)
-    found = unrounded(one.model(best), frame.record, RUNS, seed + 1)
+    found = unrounded(one.model(values), frame.record, RUNS, seed + 1)
     shares = [0.0]
-    if any(len(found[s]) < len(values) or not len(values) for s, values in without.items()):
+    if any(len(found[s]) < len(plain) or not len(plain) for s, plain in without.items()):
         return ALL
-    for s, values in without.items():
-        natural = float(np.mean(np.var(values, axis=1)))
+    for s, plain in without.items():
+        natural = float(np.mean(np.var(plain, axis=1)))
         if natural > 0.0:
-            apart = np.mean((found[s] - values) ** 2, axis=0)
+            apart = np.mean((found[s] - plain) ** 2, axis=0)
             shares.append(max(float(np.sqrt(np.mean(part) / natural)) for part in np.array_split(apart, STRETCHES)))
     return max(shares)

@@ -96,6 +96,22 @@ class Statement:
         return found
 
     @cached_property
+    def silent(self) -> Diagram:
+        """The changed model without random numbers."""
+        return silenced(self.changed)
+
+    def model(self, values: Mapping[str, float]) -> Diagram:
+        """Return the diagram, with its nuisances, that these values stand for."""
+        grouped: dict[str, dict[str, float]] = {}
+        for key, size in self.settings({**self.nominal, **values}).items():
+            block, _, name = key.rpartition(".")
+            grouped.setdefault(block, {})[name] = float(size)
+        found = self.changed
+        for block, own in grouped.items():
+            found = found.replace(block, found[block].with_params(**own))
+        return found
+
+    @cached_property
     def exact(self) -> Exact | None:
         """Its Kalman filter, None where its diagram is not linear and scanned, as far as is known."""
         f = self.frame

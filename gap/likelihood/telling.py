@@ -66,9 +66,9 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
         if would:
             words.append(
                 "Possible all the same, since smaller ones do not show in this record; what would have shown, as runs "
-                f"with it say: {'; '.join(would)}."
+                f"with it say: {'; '.join(map(str, would))}."
             )
-        return _report(o, words, o.null)
+        return replace(_report(o, words, o.null), seen=tuple(would))
     return _named(o) if o.named else _unknown(o)
 
 
@@ -81,8 +81,8 @@ def _named(o: Outcome) -> GapReport:
     found = [named_cause([_whose(fit) for fit in o.named], least_sizes(effect, shown) if creeping else shown)]
     if o.firsts:
         part = best.hypothesis.frame.given.part
-        assert part is not None
-        found.insert(0, named_cause([_whose(fit) for fit in o.firsts], part.sizes(best.best.values, best.sd)))
+        sizes = _sizes(o.firsts[0]) if part is None else part.sizes(best.best.values, best.sd)
+        found.insert(0, named_cause([_whose(fit) for fit in o.firsts], sizes))
     places = tuple(dict.fromkeys(fit.hypothesis.place for fit in (*o.firsts, *o.named)))
     words = said_of(found, places)
     words += about_creep(effect, found[0].sizes, True) if creeping else []

@@ -46,8 +46,8 @@ class AnyLoad(Disturbance):
 class UnmeasuredLoad:
     """A load at ``place`` with no plan: ``sd`` [its unit] and the ``period`` [s] above which half of its power lies.
 
-    ``gained`` nats by which it is likelier than the model alone, its freedom paid; ``left`` the score of what it leaves, of
-    which no more than ``limit`` is without a gap; ``part`` of the gap that it explains.
+    ``gained`` nats by which it is likelier than the model alone, its freedom paid; ``left`` the score of what it leaves,
+    of which no more than ``limit`` is without a gap; ``part`` of the gap that it explains.
 
     >>> print(UnmeasuredLoad("feed", "-", 0.0651, 112.0, 1.0, 1.0, 1.0, 1.0))
     a load at feed that nobody measures, of standard deviation 0.065, half of it slower than 110 s

@@ -3,12 +3,7 @@
 import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import diagnose
-from stickslip.gap.diagnosis import prepared
 from stickslip.gap.effects import effect
-from stickslip.gap.explanations.alternatives import alternatives
-from stickslip.gap.explanations.beside_digits import beside_digits
-from stickslip.gap.explanations.candidates import candidates, ranked
-from stickslip.gap.explanations.pairs import paired
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
@@ -29,19 +24,17 @@ def test_a_step_beside_a_sensor_of_few_levels_is_named_too(with_effects):
 
 def test_a_sensor_of_few_levels_alone_is_named_alone(with_effects):
     log = with_effects(3, ("quantisation", "sensor", {"step": 0.02}))
-    problem = prepared(ideal_flow(), log)
-    (first,) = [f for f in ranked(candidates(problem, problem.quiet, DIGITS), False) if f.effect.name == "quantisation"]
-    assert beside_digits(problem, first, DIGITS, 1, False) is None
+    (cause,) = diagnose(ideal_flow(), log, catalogue=DIGITS, progress=False).causes
+    assert cause.effect == "quantisation"
 
 
 def test_a_sensor_of_very_few_levels_in_the_record_of_another_program_is_named_alone():
     # expected: nothing beside; that program meets the levels at other instants, which a scan of 0.2 s fits by 550 nats
     made = record("ideal", ("quantisation",), "gross", 7910)
     log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
-    problem = prepared(ideal_flow(), log)
     scans = [effect("quantisation"), effect("scan_time")]
-    (first,) = [f for f in ranked(candidates(problem, problem.quiet, scans), False) if f.effect.name == "quantisation"]
-    assert beside_digits(problem, first, scans, 1, False) is None
+    (cause,) = diagnose(ideal_flow(), log, catalogue=scans, progress=False).causes
+    assert cause.effect == "quantisation"
 
 
 def test_beside_more_noise_the_class_of_the_other_is_listed(with_effects):
@@ -58,12 +51,9 @@ def test_a_stem_that_is_the_smaller_of_two_is_found_and_the_class_of_the_other(w
     values = {"deadband": {"width": 0.6}, "process_gain": {"factor": 1.2}}
     log = with_effects(5, ("process_gain", "process", values["process_gain"]),
                  ("deadband", "valve", values["deadband"]))  # fmt: skip
-    problem = prepared(ideal_flow(), log)
-    gains = [one for one in STEM if one.name != "deadband"]
-    fits = ranked(candidates(problem, problem.quiet, gains), False)  # as if no stem had come near by itself
-    pair = paired(problem, fits, STEM, False)
-    both = {fit.effect.name: fit for fit in (pair.first, pair.second)}
-    assert both["deadband"].values["width"] == pytest.approx(0.6, rel=0.02)
-    same = alternatives(problem, pair, STEM)[0 if pair.second is both["deadband"] else 1]
-    assert {fit.effect.name for fit in same} == {"process_gain", "valve_gain", "sensor_span"}
-    assert same[0].values["factor"] == pytest.approx(1.2, rel=0.005)
+    causes = diagnose(ideal_flow(), log, catalogue=STEM, progress=False).causes
+    both = {cause.effect: cause for cause in causes}
+    assert both["deadband"].parameters["width"].value == pytest.approx(0.6, rel=0.02)
+    (other,) = (cause for cause in causes if cause.effect != "deadband")
+    assert {other.effect, *other.ambiguous_with} == {"process_gain", "valve_gain", "sensor_span"}
+    assert other.parameters["factor"].value == pytest.approx(1.2, rel=0.005)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stickslip.blocks import PI, FirstOrder, IdealValve, QuasiStaticStem, SampledSensor, Square, StickSlip, StribeckStem
 from stickslip.diagram import simulate, wire
-from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.floors.floor import FORETOLD, MECHANICAL
 from stickslip.logs import Log
@@ -68,7 +68,7 @@ def test_a_log_of_the_model_itself_without_noise_has_no_gap():
 
 def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
     log = log_of(IdealValve(), signals=["MV"])
-    floor = prepared(loop(IdealValve()), log).floor
+    floor = held_against(loop(IdealValve()), log).floor
     stem, driven = MECHANICAL * np.ptp(log["MV"]), FORETOLD * np.ptp(log["PV"])
     assert floor.L.diagonal()[1:] == pytest.approx([stem, driven], rel=0.42)  # to the nearest power of two: sqrt(2)
     assert floor.L[0, 0] < 1e-6 * np.ptp(log["OP"])  # a controller is known to the last digit
@@ -76,5 +76,5 @@ def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
 
 def test_a_model_with_little_noise_is_judged_by_that():
     log = log_of(IdealValve(), noise=0.0002)
-    floor = prepared(loop(IdealValve(), noise=0.0002), log).floor
+    floor = held_against(loop(IdealValve(), noise=0.0002), log).floor
     assert floor.L[1, 1] == pytest.approx(0.0002, rel=0.05)  # analytic: the model's own noise, not what friction blurs

@@ -7,7 +7,7 @@ import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import GapError, replayed
 from stickslip.gap.answers.report import Cause, GapReport, Shrinkage, Size, Where
-from stickslip.gap.telling.swapping import Swap
+from stickslip.gap.likelihood.swapping import Swap
 
 from tests.gap.test_latent import moved, report_at
 

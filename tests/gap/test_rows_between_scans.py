@@ -5,7 +5,7 @@ import pytest
 from stickslip.blocks import PI, FirstOrder, IdealValve, SampledSensor
 from stickslip.cases.models import ideal_flow, site_flow
 from stickslip.diagram import ensemble, wire
-from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
@@ -57,7 +57,7 @@ def test_nor_has_one_whose_noise_is_a_block_of_its_own(every, seed):
 def test_what_noise_adds_to_an_output_between_rows_is_all_that_is_left_of_it():
     # analytic: the scan between two rows adds K_p/T_i x 1 s x noise to OP, and the one at the row nothing unknown
     model = scanned_flow(1.5)
-    floor = prepared(model, record(model, 2.0, 1)).floor
+    floor = held_against(model, record(model, 2.0, 1)).floor
     assert floor.L[0, 0] == pytest.approx(0.4 / 10.0 * NOISE, rel=0.05)
 
 

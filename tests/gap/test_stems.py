@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.diagram import ensemble
-from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.explanations.candidates import candidates, ranked
-from stickslip.gap.explanations.nesting import one_of_nested
-from stickslip.gap.fits.adequacy import adequate, complete
-from stickslip.gap.fits.hidden import fitted_hidden
 from stickslip.gap.floors.floor import MECHANICAL
 from stickslip.gap.floors.modes import CHARGE
-from stickslip.gap.records.offsets import offsets
-from stickslip.gap.telling.words import abnormal_segment
+from stickslip.gap.likelihood.fit import unfitted
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.left import judged_by_loss, left, nearly_all
+from stickslip.gap.likelihood.replayed_stems import replayed_stem
+from stickslip.gap.likelihood.search import model_alone
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
@@ -35,10 +34,12 @@ def logged(recorded, name, signals, seed=3, **values):
     return Log(log.t, {"SP": log["SP"], **{s: many.values[s][0].round(6) for s in signals}})
 
 
-def fit(problem, name, **values):
-    (candidate,) = candidates(problem, problem.quiet, [effect(name)])
-    (found,) = candidate.tried([values])
-    return found
+def told(log, name, **values):
+    """What a replay with an effect of these values leaves, and what the model alone leaves."""
+    frame = held_against(ideal_flow(), log)
+    null = model_alone(frame)
+    one = Hypothesis(frame, effect(name), "valve" if "valve" in effect(name).places(frame.model) else "process")
+    return unfitted(one.filtered({**null.best.values, **values})), null
 
 
 @pytest.mark.parametrize(
@@ -46,41 +47,35 @@ def fit(problem, name, **values):
     [("positioner_lag", {"tau": 2.0}), ("valve_rate_limit", {"rate": 1.0}), ("deadband", {"width": 2.0})],
 )
 def test_a_logged_stem_leaves_nothing_once_what_moves_it_is_right(recorded, name, values):
-    problem = prepared(ideal_flow(), logged(recorded, name, ["OP", "PV", "MV"], **values))
-    k = problem.record.pinned.index("MV")
-    assert not problem.floor.coloured and problem.floor.changes[k]
-    assert problem.floor.L[k, k] == MECHANICAL  # of a travel of 1: without a gap MV is OP to the last digit
-    assert problem.score > problem.limit + 1000.0
-    right = fit(problem, name, **values)
-    assert complete(problem, right) and problem.limit >= right.F
+    right, null = told(logged(recorded, name, ["OP", "PV", "MV"], **values), name, **values)
+    frame = null.hypothesis.frame
+    k = frame.record.pinned.index("MV")
+    assert not frame.floor.coloured and frame.floor.changes[k]
+    assert frame.floor.L[k, k] == MECHANICAL  # of a travel of 1: without a gap MV is OP to the last digit
+    assert judged_by_loss(null).unusual and not judged_by_loss(right, null).unusual
 
 
 def test_a_mode_that_was_missed_is_set_right_and_charged(recorded):
-    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=3.0, J=1.2))
-    (candidate,) = candidates(problem, problem.quiet, [effect("stiction")])
-    near = {"S": 3.03, "J": 1.2}  # slips a little late: the next slip back is missed now and then
-    (found,) = candidate.tried([near])
-    assert found.charge > 0.0 and found.charge % CHARGE == 0.0
-    settings = {k: np.array([v]) for k, v in candidate.effect.settings(candidate.base, "valve", **near).items()}
-    free = float(problem.floor.score(offsets(candidate.changed, problem.record, settings))[0])
-    assert free > found.F  # the same replay without other modes
+    log = logged(recorded, "stiction", ["OP", "PV"], S=3.0, J=1.2)
+    found, _ = told(log, "stiction", S=3.03, J=1.2)  # slips a little late: the next slip back is missed now and then
+    assert found.best.charge > 0.0 and found.best.charge % CHARGE == 0.0
+    (free,) = found.hypothesis.replayed([found.best.values], modes=False)
+    assert left(free) > left(found.best)  # the same replay without other modes
 
 
 def test_modes_buy_nothing_where_no_stem_sticks(recorded):
-    problem = prepared(ideal_flow(), recorded("valve_leak", "valve", flow=1.0))
-    assert not adequate(problem, fit(problem, "stiction", S=3.0, J=1.0))
-    plain = prepared(ideal_flow(), recorded())
-    (candidate,) = candidates(plain, plain.quiet, [effect("dead_time")])
-    assert candidate.tried([{"theta": 1.0}])[0].charge == 0.0
+    stem, null = told(recorded("valve_leak", "valve", flow=1.0), "stiction", S=3.0, J=1.0)
+    assert judged_by_loss(stem, null).unusual and not nearly_all(stem, null)
+    assert told(recorded(), "dead_time", theta=1.0)[0].best.charge == 0.0
 
 
 @pytest.mark.parametrize(("name", "values"), [("deadband", {"width": 2.0}), ("stiction", {"S": 3.0, "J": 1.2})])
 def test_of_two_stems_the_one_is_named_that_is_meant(recorded, name, values):
-    problem = prepared(ideal_flow(), logged(recorded, name, ["OP", "PV"], **values))
-    found = one_of_nested(problem, ranked(candidates(problem, problem.quiet, STEMS), progress=False))
-    assert found[0].effect.name == name and (name == "stiction" or len(found) == 1)
+    report = diagnose(ideal_flow(), logged(recorded, name, ["OP", "PV"], **values), catalogue=STEMS, limits=False)
+    (cause,) = report.causes
+    assert cause.effect == name and not cause.ambiguous_with
     for key, value in values.items():
-        assert found[0].values[key] == pytest.approx(value, rel=0.01)
+        assert cause.parameters[key].value == pytest.approx(value, rel=0.01)
 
 
 def test_sizes_of_a_stem_are_found_where_set_right_modes_make_other_troughs():
@@ -98,19 +93,20 @@ def test_sizes_of_a_stem_are_found_where_set_right_modes_make_other_troughs():
 def test_sizes_of_a_logged_stem_are_found(recorded, S, J):
     # expected: S and J of the simulation; rows put a logged stem right, so that plain replays are best with twice S of
     # the second one, and replays whose modes are set right find 1.6 times S of the first
-    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=S, J=J))
-    (candidate,) = candidates(problem, problem.quiet, [effect("stiction")])
-    found = fitted_hidden(candidate)
+    frame = held_against(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=S, J=J))
+    found = replayed_stem(model_alone(frame), Hypothesis(frame, effect("stiction"), "valve"))
     assert found is not None
-    assert found.values["S"] == pytest.approx(S, rel=0.01) and found.values["J"] == pytest.approx(J, rel=0.02)
+    assert found.best.values["S"] == pytest.approx(S, rel=0.01)
+    assert found.best.values["J"] == pytest.approx(J, rel=0.02)
 
 
 def test_a_gap_of_a_logged_stem_lies_at_the_valve_whatever_its_cause(recorded):
     """What it does to the flow shows in PV, too, but a stem that is not where OP holds it proves the valve."""
-    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=6.0, J=3.0))
-    assert abnormal_segment(problem) == ("valve",)
-    without = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=6.0, J=3.0))
-    assert {"valve", "process"} <= {*abnormal_segment(without)}
+    few = [effect("dead_time"), effect("controller_gain")]
+    log = logged(recorded, "stiction", ["OP", "PV", "MV"], S=6.0, J=3.0)
+    assert diagnose(ideal_flow(), log, catalogue=few).where.confidence_set == ("valve",)
+    without = logged(recorded, "stiction", ["OP", "PV"], S=6.0, J=3.0)
+    assert {"valve", "process"} <= {*diagnose(ideal_flow(), without, catalogue=few).where.confidence_set}
 
 
 @pytest.mark.parametrize(("severity", "seed"), [("typical", 9631), ("gross", 9642)])

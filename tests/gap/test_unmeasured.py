@@ -5,10 +5,11 @@ import pytest
 from stickslip.blocks import Noise
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import diagnose
-from stickslip.gap.diagnosis import prepared
+from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.explanations.unmeasured import forgotten, octaves, unmeasured_load
-from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.likelihood.left import left
+from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.unmeasured import forgotten, octaves, unmeasured_load
 
 SD, TIME = 0.006, 120.0  # of the load that the model lacks: standard deviation, correlation time [s]
 FEW = [effect(name) for name in ("sensor_bias", "process_gain", "dead_time", "controller_gain", "sine_disturbance")]
@@ -24,8 +25,8 @@ def wandering(recorded, logged):
 
 
 def load_of(log):
-    problem = prepared(ideal_flow(), log)
-    return problem, unmeasured_load(problem, needed(problem))
+    null = model_alone(held_against(ideal_flow(), log))
+    return null, unmeasured_load(null)
 
 
 def test_a_wandering_load_is_no_effect_of_the_catalogue_and_said_to_explain_everything(wandering):
@@ -35,8 +36,8 @@ def test_a_wandering_load_is_no_effect_of_the_catalogue_and_said_to_explain_ever
 
 
 def test_the_size_of_the_load_is_found(wandering):
-    problem, load = load_of(wandering)
-    assert load.explains and load.left < problem.limit < problem.score
+    null, load = load_of(wandering)
+    assert load.explains and load.left < load.limit < left(null.best)
     assert load.sd == pytest.approx(SD, rel=0.4)  # half an hour has some fifteen correlation times
     assert load.period > TIME  # half of the power of an autoregression is slower than 2 pi times its time
 
@@ -49,9 +50,8 @@ def test_the_size_of_the_load_is_found(wandering):
     ],
 )
 def test_a_load_does_not_explain_what_lies_elsewhere(recorded, name, place, values):
-    problem, load = load_of(recorded(name, place, **values))
-    assert not load.explains
-    assert load.left - problem.level > 0.2 * (problem.score - problem.level)
+    _, load = load_of(recorded(name, place, **values))
+    assert not load.explains and load.part < 0.8
 
 
 def test_an_effect_of_one_size_is_likelier_than_a_load_that_is_free(recorded):
@@ -61,8 +61,8 @@ def test_an_effect_of_one_size_is_likelier_than_a_load_that_is_free(recorded):
 
 
 def test_without_a_gap_a_load_gains_nothing(recorded):
-    problem, load = load_of(recorded(seed=6))
-    assert load.explains and pytest.approx(problem.score, abs=30.0) == load.F
+    _, load = load_of(recorded(seed=6))
+    assert load.explains and load.gained == pytest.approx(0.0, abs=30.0)
     assert load.sd < 0.1 * SD
 
 

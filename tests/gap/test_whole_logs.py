@@ -6,8 +6,11 @@ from stickslip.blocks import Staircase
 from stickslip.cases.models import ideal_flow
 from stickslip.diagram import simulate
 from stickslip.gap import diagnose
-from stickslip.gap.diagnosis import prepared
+from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
+from stickslip.gap.likelihood.diagnosing import when_switched
+from stickslip.gap.likelihood.left import judged_by_loss
+from stickslip.gap.likelihood.search import model_alone
 from stickslip.logs import Log
 
 LEVELS, DWELL = (1.2, 1.6, 1.4), 240.0  # [unit of PV], [s]
@@ -44,15 +47,15 @@ def switched(model, digits=6):
 
 def test_instants_between_rows_are_found():
     log = switched(ideal_flow(rest=1.2))
-    problem = prepared(ideal_flow(), log)
-    assert problem.before.score > problem.before.limit  # at the rows themselves they would be a gap
-    assert problem.score < problem.limit
-    (source,) = (block for block in problem.quiet.blocks if block.name.startswith("SP"))
+    frame = held_against(ideal_flow(), log)
+    assert judged_by_loss(model_alone(frame)).unusual  # at the rows themselves they would be a gap
+    found = when_switched(frame)
+    assert not judged_by_loss(model_alone(found)).unusual
     rows = np.flatnonzero(np.diff(log["SP"])) + 1
     true = BETWEEN * np.arange(1, len(rows) + 1)
-    told = source.timetable[1 : len(rows) + 1, 0]
-    late = rows >= problem.floor.skipped
-    assert told[late] == pytest.approx(true[late], abs=0.002)
+    said = np.array([log.t[k] - found.record.leads["SP"].get(int(k), 0.0) for k in rows])
+    late = rows >= found.skipped
+    assert said[late] == pytest.approx(true[late], abs=0.01)
 
 
 def test_a_coarse_log_of_such_set_points_leaves_no_gap():
