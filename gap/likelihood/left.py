@@ -9,18 +9,22 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from stickslip.gap.floors.floor import losses, without_gap
+from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
 
+Floats = NDArray[np.float64]
 SIGMAS = 4.5  # by which a loss may exceed its mean without a gap
 SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread forty runs tell
 GAINED = 12.0  # nats that what is left may lie above that
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nearly
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
+LARGER, WHITE = 1.02, 5.0  # factor of the stated noise that matters; largest figure of white noise
 SMALLEST = 1e-9  # [nats]
 OWN_RUNS = 4  # runs of the model with the effect
 
@@ -58,8 +62,24 @@ def share(fit: Fit, null: Fit) -> float:
 
 
 def left(found: Innovations) -> float:
-    """Return the loss of what is left, in its own unit, with what modes set right cost [nats]."""
-    return float(losses(found.e).sum()) + found.charge
+    """Return the loss of what is left, with what modes set right cost [nats].
+
+    It is in the unit of the noise that was fitted only where what is left is white, as more noise is.
+    """
+    return float(losses(found.e * _unproven(found)).sum()) + found.charge
+
+
+def _unproven(found: Innovations) -> Floats:
+    """Return by how much the noise of each signal is fitted larger than stated without being white, else 1."""
+    f = found.hypothesis.frame
+    assert isinstance(f, Replays)
+    larger = np.ones(len(f.signals))
+    stated = np.diag(f.floor.L)[[f.record.pinned.index(s) for s in f.signals]]
+    for j, s in enumerate(f.signals):
+        by = math.sqrt(float(np.nanmax(found.S[:, j], initial=0.0))) / stated[j]
+        if by > LARGER and max(abs(x) for name, x in checks(found).items() if s in name.split()) > WHITE:
+            larger[j] = by
+    return larger
 
 
 def known(found: Innovations) -> float:

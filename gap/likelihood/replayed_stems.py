@@ -92,10 +92,10 @@ def _apart(found: list[Innovations], least: float = APART) -> list[Innovations]:
     return kept[:KEPT]
 
 
-def replayed_stem(null: Fit, one: Hypothesis) -> Fit | None:
+def replayed_stem(one: Hypothesis) -> Fit | None:
     """Return the fit of a stem; None if no replay succeeds."""
     f = one.frame
-    free = {key: null.best.values[key] for key in f.free}
+    free = dict(f.stated)  # the model alone may take a stem for noise
     share = max(HEAD, min(1.0, FEWEST / len(f.Y)))
     head = one.of(replace(f, record=f.record.first_part(share)))
     search, right = Search(head, free, False), Search(head, free, True)

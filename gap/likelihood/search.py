@@ -25,6 +25,7 @@ BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no l
 TRIED = 10  # effects that are fitted
 LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted to the end
 BAND_NATS, BAND_SHARE = 3.0, 0.25  # that a play has to gain, or of the best gain, before a jump is looked for
+AWAY, LATER = (1, 2, 4, 8, 16, 32), 1.0  # rows by which a time is moved, and nats that another must gain
 APPROACH = 4  # rounds of a fit with the gains of the model before it
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 FAINTER = 0.1  # of the best score, that an effect has to have to be fitted
@@ -98,8 +99,23 @@ def fitted(
     first.sort(key=price)
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
-    ended = sorted((settled_stem(fit) if fit.hypothesis.hides else settled(fit) for fit in near), key=price)
+    ended = sorted((settled_stem(fit) if fit.hypothesis.hides else _ended(fit) for fit in near), key=price)
     return _in_phase_of_best(ended)
+
+
+def _ended(fit: Fit) -> Fit:
+    """Return a fit in all rows; a load that begins at some time has other times tried, which have no slope far off."""
+    fit = settled(fit)
+    one = fit.hypothesis
+    while one.frame.replays and one.effect is not None and "time" in one.own:
+        dt, best = one.frame.record.log.dt, fit.best
+        times = [best.values["time"] + way * rows * dt for rows in AWAY for way in (1.0, -1.0)]
+        ahead = [x for x in one.replayed([{**best.values, "time": time} for time in times]) if x is not None]
+        likeliest = min(ahead, key=lambda x: x.nll, default=best)
+        if likeliest.nll > best.nll - LATER:
+            break
+        fit = refined(likeliest, free_names(one))
+    return fit
 
 
 def _in_phase_of_best(found: list[Fit]) -> list[Fit]:
@@ -128,7 +144,7 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
             band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     if mine.frame.replays and mine.effect is not None and mine.effect.hidden:
-        return replayed_stem(null, mine)
+        return replayed_stem(mine)
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):
         start = with_likelier_loads(start)  # a random load has stood for the planned one

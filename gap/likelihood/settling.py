@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.fit import ROUNDS, Fit, refined, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.switches import with_switches
 
@@ -18,7 +18,7 @@ def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
         return fit
     for _ in range(rounds):
         start = with_switches(start)
-        fit = refined(start, free_names(one), FIRST)
+        fit = refined(start, free_names(one), ROUNDS if one.frame.replays else FIRST)
         if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
             break
         start = fit.best

@@ -87,7 +87,8 @@ def _named(o: Outcome) -> GapReport:
     words = said_of(found, places)
     words += about_creep(effect, found[0].sizes, True) if creeping else []
     if any(one.others for one in found):
-        words.append(f"{next_test(best.hypothesis.frame, o.named).capitalize()}.")
+        further = next_test(best.hypothesis.frame, o.named)
+        words.append(f"{further[0].upper()}{further[1:]}.")
     if o.textured:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:

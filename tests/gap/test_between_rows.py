@@ -6,11 +6,11 @@ from stickslip.blocks import FirstOrder, Staircase, Sum
 from stickslip.cases.plant_models import LOGGED_SECTION
 from stickslip.diagram import ensemble, simulate, wire
 from stickslip.engine.run import Settings
-from stickslip.gap.diagnosis import prepared
+from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.explanations.candidates import ranked
-from stickslip.gap.fits.search import Candidate, exact
 from stickslip.gap.floors.floor import undisturbed
+from stickslip.gap.likelihood.left import judged_by_loss
+from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.linearised.behind import NOTHING, Behind, behind
 from stickslip.gap.linearised.driving import driven
 from stickslip.gap.linearised.filtered import filter_of
@@ -126,8 +126,8 @@ def moving_section(seed):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_set_points_that_switch_between_rows_are_no_gap(seed):
     # with means over an interval from eight points of it, and pressures that told no instant, these were 7 sd and more
-    problem = prepared(MODELS["separator_section"][0](), moving_section(seed))
-    assert problem.score <= problem.limit
+    frame = held_against(MODELS["separator_section"][0](), moving_section(seed))
+    assert not judged_by_loss(model_alone(frame)).unusual
 
 
 def test_the_mean_of_an_input_that_jumps_between_rows_is_that_of_its_jump():
@@ -143,24 +143,17 @@ def test_the_mean_of_an_input_that_jumps_between_rows_is_that_of_its_jump():
         assert mean == pytest.approx(0.01 * lead / 2.0, rel=0.01)  # analytic: the valve is ideal, its MV is its OP
 
 
-def test_an_explanation_is_named_by_runs_of_its_own_and_screened_without():
+def test_an_explanation_is_named_by_runs_of_its_own():
+    # what the gain itself does between rows is in its own runs only
     gain = effect("controller_gain")
     plant = MODELS["separator_section"][0]()
     log = simulate(
         gain.insert(plant.replace("SP_PCS11", moved(plant)), "PCS11", factor=1.4), 900.0, every=2.0,
         signals=list(LOGGED_SECTION),
     ).log  # fmt: skip
-    problem = prepared(plant, log)
-    legal = [Candidate(problem, problem.quiet, one, "PCS11") for one in (gain, effect("controller_integral_time"))]
-    best = ranked(legal)[0]
-    assert best.effect is gain and best.values["factor"] == pytest.approx(1.4, rel=0.01)
-    assert best.candidate.problem is problem
-    (own,) = best.candidate.tried([best.values])
-    (held,) = Candidate(problem.quick, problem.quiet, gain, "PCS11").tried([best.values])
-    assert best.F == own.F and held.F > own.F + 10.0  # what the gain itself does between rows is in its own runs only
-    assert problem.quick.score == problem.score
-    screened = Candidate(problem.quick, problem.quiet, effect("positioner_lag"), "VPCS1").absent
-    assert exact(screened, problem) is screened  # a lag of 0 s is no block that a run could have
+    (cause,) = diagnose(plant, log, catalogue=[gain, effect("controller_integral_time")], limits=False).causes
+    assert (cause.effect, cause.place) == ("controller_gain", "PCS11")
+    assert cause.parameters["factor"].value == pytest.approx(1.4, rel=0.01)
 
 
 def test_one_value_after_another_leaves_what_all_at_once_leave():

@@ -5,21 +5,23 @@ import pytest
 from stickslip.blocks import Equations, SampledSensor
 from stickslip.cases.models import ideal_flow, site_flow
 from stickslip.diagram import wire
-from stickslip.gap.diagnosis import prepared
-from stickslip.gap.fits.robust import step
+from stickslip.gap.diagnosis import held_against
 from stickslip.gap.floors.floor import UNIT, floor_of, losses, measured, residuals, skipped_rows
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.left import judged_by_loss
+from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
 
 
 def test_residuals_of_the_right_model_are_the_sensors_noise(recorded):
-    problem = prepared(ideal_flow(), recorded(seed=3))
-    e = problem.as_it_is
-    assert problem.record.pinned == ("OP", "PV") and problem.floor.changes.tolist() == [True, False]
-    assert np.nanstd(e, axis=0) == pytest.approx([1.0, 1.0], abs=0.1)  # analytic: unit variance
-    assert problem.score < problem.limit and not problem.floor.coloured
-    assert problem.floor.L[1, 1] == pytest.approx(0.004, rel=0.05)  # analytic: the model's own noise
+    null = model_alone(held_against(ideal_flow(), recorded(seed=3)))
+    frame = null.hypothesis.frame
+    assert frame.record.pinned == ("OP", "PV") and frame.floor.changes.tolist() == [True, False]
+    assert np.nanstd(null.best.e, axis=0) == pytest.approx([1.0, 1.0], abs=0.1)  # analytic: unit variance
+    assert not judged_by_loss(null).unusual and not frame.floor.coloured
+    assert frame.floor.L[1, 1] == pytest.approx(0.004, rel=0.05)  # analytic: the model's own noise
 
 
 def test_coloured_residuals_are_whitened():
@@ -49,17 +51,6 @@ def test_the_loss_of_normal_noise_is_least_at_its_own_size():
     assert sizes[int(np.argmin(cost))] == pytest.approx(1.0, abs=0.011) and 0.8 < UNIT < 0.9
 
 
-def test_a_step_finds_the_slope_under_gross_errors():
-    rng = np.random.default_rng(0)
-    J = rng.normal(size=(4000, 2))
-    e = -J @ [300.0, -0.5] + rng.normal(size=4000)
-    e[:400] += 1e4
-    d, promised = step(e, J, np.array([-1e4, -1e4]), np.array([1e4, 1e4]))
-    assert d == pytest.approx([300.0, -0.5], abs=0.1) and promised < losses(e).sum()
-    d, _ = step(e, J, np.array([0.0, 0.0]), np.array([100.0, 1.0]))
-    assert d[0] == pytest.approx(100.0)  # at its bound
-
-
 def test_the_beginning_of_a_record_is_not_scored():
     assert skipped_rows(7201) == 144 and skipped_rows(1801, 100.0) == 100 and skipped_rows(1801, 4000.0) == 180
     assert skipped_rows(100) == 20 and skipped_rows(30) == 15
@@ -69,23 +60,8 @@ def test_missing_samples_are_left_out(recorded):
     log = recorded(seed=3)
     PV = log["PV"].copy()
     PV[500:520] = np.nan
-    problem = prepared(ideal_flow(), Log(log.t, {"SP": log["SP"], "OP": log["OP"], "PV": PV}))
-    assert problem.score < problem.limit and np.isfinite(problem.score)
-
-
-def test_unsure_parameters_settle_within_their_tolerances():
-    from stickslip.diagram import ensemble
-
-    t, fine = np.arange(0.0, 3601.0, 5.0), np.arange(3601.0)
-    SP = np.where(fine % 1202 < 601, 1.5, 1.6)
-    true = site_flow(rest=1.5).with_params({"process.K": 3.12})
-    log = Log(fine, {"SP": SP})
-    many = ensemble(true, 3600.0, times=t, inputs=log, seeds=[1], signals=["OP", "PV"], progress=False)
-    rounded = {s: np.round(many.values[s][0] / q) * q for s, q in (("OP", 1e-3), ("PV", 1.5e-3))}
-    problem = prepared(site_flow(), Log(t, {"SP": SP[::5], **rounded}))
-    assert problem.floor.coloured and problem.free["process.K"] == pytest.approx((2.85, 3.15))
-    assert problem.settled is not None and problem.settled.values["process.K"] == pytest.approx(3.12, abs=0.04)
-    assert np.nanstd(problem.as_it_is, axis=0) == pytest.approx([1.0, 1.0], abs=0.15)  # analytic
+    null = model_alone(held_against(ideal_flow(), Log(log.t, {"SP": log["SP"], "OP": log["OP"], "PV": PV})))
+    assert not judged_by_loss(null).unusual and np.isfinite(null.nll)
 
 
 def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorded):
@@ -100,12 +76,11 @@ def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorde
 
 def test_a_controller_at_its_limit_is_replayed_exactly(recorded):
     from stickslip.gap.effects import effect
-    from stickslip.gap.fits.search import Candidate
 
-    problem = prepared(ideal_flow(), recorded("controller_limits", "controller", high=55.0))
-    (fit,) = Candidate(problem, problem.quiet, effect("controller_limits"), "controller").tried([{"high": 55.0}])
-    assert (problem.record.log["OP"] >= 0.55).mean() > 0.02  # the record does reach the limit
-    assert np.nanmax(np.abs(fit.e[:, 0])) < 100.0  # a ride along the limit that ends late costs 1e4
+    frame = held_against(ideal_flow(), recorded("controller_limits", "controller", high=55.0))
+    found = Hypothesis(frame, effect("controller_limits"), "controller").filtered({"high": 55.0})
+    assert (frame.record.log["OP"] >= 0.55).mean() > 0.02  # the record does reach the limit
+    assert np.nanmax(np.abs(found.e[:, frame.signals.index("OP")])) < 100.0  # a ride that ends late costs 1e4
 
 
 def test_a_model_of_which_no_run_ends_is_said_to_be_one():

@@ -1,17 +1,13 @@
 """Floors of large diagrams: kept for the next record, their score placed by runs with that record's set points."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import stickslip.gap.linearised.filtered as filtered
 import stickslip.gap.linearised.usual as usual
-from stickslip.gap.diagnosis import prepared
-from stickslip.gap.effects import effect
-from stickslip.gap.fits.search import Candidate
-from stickslip.gap.fits.sensitivity import promised, smallest
+from stickslip.gap.diagnosis import held_against
 from stickslip.gap.floors.floor import Floor, scored
-from stickslip.gap.floors.problem import Problem
+from stickslip.gap.likelihood.left import judged_by_loss, left
+from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.linearised.usual import _placed
 
 from benchmarks.gap.plant import MODELS, PlantRun
@@ -33,18 +29,18 @@ def counted(monkeypatch, tmp_path):
 
 
 def test_the_second_record_of_a_model_makes_no_floor(counted):
-    first = prepared(SECTION(), PlantRun("separator_section", seed=1051).made())
-    assert counted == [40, 12] and first.score <= first.limit
+    first = model_alone(held_against(SECTION(), PlantRun("separator_section", seed=1051).made()))
+    assert counted == [40, 12] and not judged_by_loss(first).unusual
     # at 5068 this one lies 20 of the floor's deviations above the first; its own runs lie there, too
-    second = prepared(SECTION(), PlantRun("separator_section", seed=1060).made())
-    assert counted == [40, 12, 12] and second.score > 1.15 * first.score
-    np.testing.assert_array_equal(first.floor.A, second.floor.A)
-    assert abs(second.score - second.level) < 3.5 * second.floor.sd * np.sqrt(second.rows)
+    second = model_alone(held_against(SECTION(), PlantRun("separator_section", seed=1060).made()))
+    assert counted == [40, 12, 12] and left(second.best) > 1.15 * left(first.best)
+    np.testing.assert_array_equal(first.hypothesis.frame.floor.A, second.hypothesis.frame.floor.A)
+    assert abs(judged_by_loss(second).size) < 3.5
 
 
 def test_a_much_shorter_record_has_a_floor_of_its_own(counted):
-    prepared(SECTION(), PlantRun("separator_section", seed=1052).made(hours=0.25))
-    prepared(SECTION(), PlantRun("separator_section", seed=1053).made())
+    held_against(SECTION(), PlantRun("separator_section", seed=1052).made(hours=0.25))
+    held_against(SECTION(), PlantRun("separator_section", seed=1053).made())
     assert counted == [40, 12, 40, 12]
 
 
@@ -61,12 +57,3 @@ def test_a_floor_is_placed_by_a_records_own_runs(spread, share):
     assert placed.rows == 400 and placed.mean * placed.rows == pytest.approx(own.mean())
     floor = shape.scores.std(ddof=1) * 2.0  # of four times the rows
     assert placed.scores.std(ddof=1) == pytest.approx(max(floor, own.std(ddof=1)) * np.sqrt(13.0 / 12.0))
-
-
-def test_what_screens_an_effect_also_says_what_would_have_been_seen(counted, monkeypatch):
-    problem = prepared(SECTION(), PlantRun("separator_section", seed=1054).made(hours=0.25))
-    one = Candidate(problem, problem.quiet, effect("valve_gain"), "VPCS1")
-    assert promised(replace(one, problem=problem.quick)) < 12.0
-    assert not one.absent.present  # the model as it is, the same for all effects
-    monkeypatch.setattr(Problem, "replayed", None)  # nothing is replayed once more
-    assert smallest(one, 12.0).size > 1.0

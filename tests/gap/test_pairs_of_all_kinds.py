@@ -3,10 +3,7 @@
 import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import diagnose
-from stickslip.gap.diagnosis import prepared
 from stickslip.gap.effects import effect
-from stickslip.gap.explanations.beside_noise import beside_noise
-from stickslip.gap.explanations.candidates import candidates, ranked
 
 # what is put in: two effects, each (name, place, sizes); and what else is in the catalogue
 CASES = {
@@ -45,16 +42,3 @@ def test_both_are_named_with_their_sizes(case, with_effects):
     for name, _, values in both:
         size = next(key for key in values if key not in ("low", "time", "phase", "period"))
         assert found[name][size].value == pytest.approx(values[size], rel=0.05), name
-
-
-@pytest.mark.parametrize(
-    ("known", "left"),
-    [
-        (("deadband", "valve", {"width": 2.0}), CASES["a play and a late step"][0][1]),
-        (("dead_time", "process", {"theta": 1.5}), ("sensor_bias", "sensor", {"offset": 0.05})),
-    ],
-)
-def test_what_is_not_white_or_has_a_mean_is_no_noise_beside_another_effect(with_effects, known, left):
-    problem = prepared(ideal_flow(), with_effects(3, known, left))
-    legal = candidates(problem, problem.quiet, [effect(name) for name in (known[0], "sensor_noise")])
-    assert not beside_noise(problem, ranked(legal, False))

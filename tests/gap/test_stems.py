@@ -94,7 +94,7 @@ def test_sizes_of_a_logged_stem_are_found(recorded, S, J):
     # expected: S and J of the simulation; rows put a logged stem right, so that plain replays are best with twice S of
     # the second one, and replays whose modes are set right find 1.6 times S of the first
     frame = held_against(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=S, J=J))
-    found = replayed_stem(model_alone(frame), Hypothesis(frame, effect("stiction"), "valve"))
+    found = replayed_stem(Hypothesis(frame, effect("stiction"), "valve"))
     assert found is not None
     assert found.best.values["S"] == pytest.approx(S, rel=0.01)
     assert found.best.values["J"] == pytest.approx(J, rel=0.02)
