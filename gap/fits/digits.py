@@ -15,7 +15,8 @@ APART = 2.5  # roundings of the log by which levels lie apart where a sensor is 
 FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
-STRAIGHT = 0.2  # share of straight triples beyond what the model's own log has
+RUNS = 6  # of the model, which tell how many straight triples are usual
+STRAIGHT = 0.05  # share of straight triples beyond what the model's own log has
 NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
 
@@ -64,8 +65,8 @@ def straightened(held: Held, seed: int) -> str:
         step = rounding(values)
         if signal in held.ops or sloping(values, step) < STRAIGHT:
             continue
-        plain = without_gap(held.model, held.record, 1, seed + 1)
-        if plain and sloping(values, step) >= sloping(plain[0][signal], step) + STRAIGHT:
+        plain = without_gap(held.model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
+        if plain and sloping(values, step) >= max(sloping(log[signal], step) for log in plain) + STRAIGHT:
             return signal
     return ""
 

@@ -18,7 +18,7 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.judge import MOST_LEFT, enough, judged
-from stickslip.gap.likelihood.left import level
+from stickslip.gap.likelihood.left import left, level
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.nesting import one_of_nested
 from stickslip.gap.likelihood.phase import in_phase
@@ -178,12 +178,40 @@ def _likeliest(
     both = _with_second(alone.fits[0], catalogue, seed, progress)
     if both is None:
         return alone
+    both = _without_jump(frame, both, catalogue)
     if partly:  # the effect explains nearly all, and what it leaves may be another's, or its law's
         return alone if not both.named or (both.best is not None and both.best.unusual) else _pair(alone, both)
     single = _single(alone, both, seed)
     if single is not None or not both.named:
         return single or alone
     return _pair(alone, both)
+
+
+def _without_jump(frame: Frame, both: Outcome, catalogue: Sequence[Effect]) -> Outcome:
+    """Return two effects of a replay; the first, a stem that hardly jumps beside the second, as one that does not."""
+    first = both.firsts[0].hypothesis
+    narrow = next((one for one in catalogue if one.name == first.nests), None)
+    if narrow is None or not frame.replays or not both.named:
+        return both
+    second = both.named[0]
+    part = second.hypothesis.frame.given.part
+    assert part is not None
+    sizes = list(part.now(second.best.values).values())
+    plain = tried(
+        Hypothesis(both.firsts[0].hypothesis.frame, narrow, first.place), {_size(narrow): sizes[0] - sizes[1]}
+    )
+    if plain is None:
+        return both
+    one = replace(second.hypothesis, frame=with_effect(unfitted(plain)))
+    start = tried(one, {name: second.best.values[name] for name in one.own})
+    again = None if start is None else settled(unfitted(start))
+    if again is None or left(again.best) > left(second.best) + STEM_TIE:
+        return both
+    return replace(both, named=(again, *both.named[1:]), fits=(again, *both.fits[1:]), firsts=(unfitted(plain),))
+
+
+def _size(effect: Effect) -> str:
+    return effect.parameters[0].name
 
 
 def _of_log(fit: Fit) -> bool:

@@ -8,15 +8,20 @@ from stickslip.gap.effects.compression import Compression
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
+from stickslip.gap.floors.floor import residuals, without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import enough, judged
+from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.verdict import Verdict
+from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import rounding
 
+IN_ACCORD, MOST = 0.3, 0.8  # of the usual size: so small are most residuals that no rounding of the log has made
+LATTICE_RUNS = 6  # of the model, which tell how much is usual
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
 
 
@@ -53,12 +58,12 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     step = coarse(f, place)
     if step:
         return _as(null, Hypothesis(f, effect, place), {"step": step})
-    if f.replays:  # residuals of a coarse log are as large as its step, whoever made it
-        return None
     signal, values = measured_by(f, place)
     step = unstated(f, place, rounding(values))
     if not step or len(np.unique(values)) > FEW * len(values):
         return None
+    if isinstance(f, Replays):
+        return _as(null, Hypothesis(f, effect, place), {"step": step}) if _seen(f, signal, seed) else None
     f = replace(f, record=replace(f.record, computed={**f.record.computed, signal: SEEN_FINER * step}))
     noisier = Hypothesis(f, SensorNoise(), place)
     start = tried(noisier, null.best.values) if place in SensorNoise().places(f.model) else null.best
@@ -68,6 +73,20 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed, null), alone, null):
         return None
     return _as(fit, Hypothesis(f, effect, place), {"step": step})
+
+
+def _seen(f: Replays, signal: str, seed: int) -> bool:
+    """Return whether the controller has seen the steps of a signal: others are in better accord than rounding allows."""
+    if f.record.filter is not None:  # which takes the controllers' accord for itself
+        return False
+    logs = without_gap(f.model, f.record, LATTICE_RUNS, seed)
+    sizes = [
+        np.abs(residuals(found, f.floor.changes))[:, f.skipped :]
+        for found in (offsets(f.quiet, f.record), offsets(f.quiet, f.record, logs=logs))
+    ]
+    own, usual = (np.nanquantile(one, MOST, axis=(0, 1)) for one in sizes)
+    others = np.array([s != signal for s in f.record.pinned])
+    return bool((own < IN_ACCORD * usual)[others].any())
 
 
 def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:

@@ -67,11 +67,10 @@ def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> fl
         return None
     by = (first - nominal) * math.sqrt(2.0 * needed) / scored[2]
     for _ in range(DOUBLED):
-        if not low <= nominal + by <= high or abs(by) > MOST * max(high - nominal, nominal - low):
-            return None
+        by = max(abs(by), low - nominal) if by > 0.0 else by
         values = {**null.best.values, p.name: nominal + by}
-        by = _of_relevance(hypothesis, values, p.name, by, seed)
-        if not low <= nominal + by <= high:
+        by = _of_relevance(hypothesis, values, by, seed) if low <= nominal + by <= high else by
+        if not low <= nominal + by <= high or abs(by) > MOST * max(high - nominal, nominal - low):
             return None
         values[p.name] = nominal + by
         if _shows(null, hypothesis, values, needed, seed):
@@ -80,7 +79,7 @@ def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> fl
     return None
 
 
-def _of_relevance(one: Hypothesis, values: dict[str, float], name: str, by: float, seed: int) -> float:
+def _of_relevance(one: Hypothesis, values: dict[str, float], by: float, seed: int) -> float:
     """Return how far a size has to be from neutral to move a signal by what is relevant, at least ``by``."""
     share = moved(one, {**one.nominal, **values}, seed)
     return by if share >= RELEVANT else by * BEYOND * RELEVANT / max(share, SLIGHT)

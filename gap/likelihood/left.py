@@ -26,6 +26,7 @@ NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nea
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
 LARGER, WHITE = 1.02, 5.0  # factor of the stated noise that matters; largest figure of white noise
 SMALLEST = 1e-9  # [nats]
+STANDING = 0.003  # share of the rows that stand at a limit, at least
 OWN_RUNS = 4  # runs of the model with the effect
 
 
@@ -52,7 +53,38 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
 def nearly_all(fit: Fit, null: Fit) -> bool:
     """Return whether an effect explains so much of a gap that only its law can be a little different."""
     effect = fit.hypothesis.effect
-    return share(fit, null) >= (NEARLY_HIDDEN if effect is not None and effect.hidden else NEARLY)
+    if share(fit, null) >= (NEARLY_HIDDEN if effect is not None and effect.hidden else NEARLY):
+        return True
+    return fit.hypothesis.bends and _only_at_limit(fit)
+
+
+def _only_at_limit(fit: Fit) -> bool:
+    """Return whether a limit leaves nothing unusual but at rows that stand there: when exactly an integral stops is a
+    matter of the controller's own step.
+    """
+    f, away = fit.hypothesis.frame, ~_standing(fit)
+    assert isinstance(f, Replays)
+    rows = away[f.skipped :]
+    if rows.all():
+        return False
+    n = float(rows.sum())
+    usual = f.floor.mean * n + SIGMAS * f.floor.sd * math.sqrt(n)
+    return float(losses(fit.best.e[f.skipped :][rows]).sum()) <= usual + allowed(f)
+
+
+def _standing(fit: Fit) -> NDArray[np.bool_]:
+    """Return the rows at and next to which a logged signal stands at a fitted limit, (rows,)."""
+    one, log = fit.hypothesis, fit.hypothesis.frame.record.log
+    shown, _, zero, to_unit = one.reached
+    found = np.zeros(len(log), dtype=bool)
+    for name in one.own if shown else ():
+        value = fit.best.values[name]
+        if value != one.nominal[name] and math.isfinite(value):
+            near = max(1.5 * one.frame.record.lattice(shown), 1e-5 / to_unit)
+            rows = np.abs(log[shown] - (zero + value / to_unit)) <= near
+            found |= rows if float(rows.mean()) > STANDING else False
+    found[1:-1] |= found[:-2] | found[2:]
+    return found
 
 
 def share(fit: Fit, null: Fit) -> float:

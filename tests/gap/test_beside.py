@@ -41,7 +41,7 @@ def test_beside_more_noise_the_class_of_the_other_is_listed(with_effects):
     # analytic: gain of the valve, of the process and span of the sensor leave the same PV and OP
     catalogue = [effect(name) for name in ("sensor_noise", "sensor_span", "process_gain", "valve_gain", "dead_time")]
     span = ("sensor_span", "sensor", {"factor": 1.2})
-    log = with_effects(5, span, ("sensor_noise", "sensor", {"factor": 2.0}))
+    log = with_effects(5, span, ("sensor_noise", "sensor", {"factor": 3.0}))
     first, second = diagnose(ideal_flow(), log, catalogue=catalogue, limits=False, progress=False).causes
     assert {first.effect, *first.ambiguous_with} == {"sensor_span", "process_gain", "valve_gain"}
     assert second.effect == "sensor_noise" and not second.ambiguous_with

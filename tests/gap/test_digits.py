@@ -56,7 +56,7 @@ def test_a_coarse_log_that_was_compressed_is_told():
 
 
 @pytest.mark.parametrize(("outside", "severity"), [
-    ("", "typical"), ("", "gross"), ("multiplicative_noise", "gross"), ("bursting_noise", "gross"),
+    ("", "gross"), ("multiplicative_noise", "gross"), ("bursting_noise", "gross"),
 ])  # fmt: skip
 def test_noise_that_grows_with_the_signal_or_comes_in_bursts_is_not_more_noise_of_a_sensor(outside, severity):
     log = made("ideal", () if outside else ("sensor_noise",), severity, hours=2.0, outside=outside)

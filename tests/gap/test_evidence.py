@@ -31,7 +31,7 @@ def test_the_words_of_a_record_without_a_gap_say_what_would_have_shown(recorded)
 def test_the_tag_that_tells_gains_apart_is_named(recorded):
     log = recorded("valve_gain", "valve", factor=0.93)
     words = str(diagnose(ideal_flow(), log, catalogue=FEW, progress=False))
-    assert "a log of F would separate them" in words
+    assert "A log of F would separate them" in words
 
 
 @pytest.mark.parametrize(("name", "place", "right", "wrong"), [

@@ -16,7 +16,7 @@ CASES = {
         ("dead_time", "sensor_bias", "process_gain"),
     ),
     "more noise and a sine": (
-        (("sensor_noise", "sensor", {"factor": 2.0}),
+        (("sensor_noise", "sensor", {"factor": 3.0}),
          ("sine_disturbance", "feed", {"amplitude": 0.005, "period": 60.0, "phase": 0.3})),
         ("sensor_bias", "process_gain", "slug"),
     ),
