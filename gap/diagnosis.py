@@ -18,8 +18,9 @@ from stickslip.gap.calibrating.calibration import kept_calibration
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.hints.hinted import hints
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.diagnosing import frame_of, outcome
+from stickslip.gap.likelihood.diagnosing import outcome
 from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.likelihood.replay import replays_of
 from stickslip.gap.likelihood.telling import told

@@ -10,16 +10,15 @@ The last two are fitted on the first part of a record and judged by held-out shr
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.gap.settings import SETTINGS
 
 if TYPE_CHECKING:
     from stickslip.diagram.diagram import Diagram
-    from stickslip.gap.floors.problem import Problem
+    from stickslip.gap.likelihood.fit import Fit
+    from stickslip.gap.likelihood.hypothesis import Innovations
     from stickslip.logs import Log
 
-Floats = NDArray[np.float64]
 LOOSE = {"process.K": 0.5, "process.tau": 0.5, "process.omega": 0.5, "process.T": 0.5,
          "controller.K_p": 0.5, "controller.T_i": 0.5}  # fmt: skip
 BACK = 4  # rows that the flexible residual looks back
@@ -35,40 +34,50 @@ def free_run_place(record: Any) -> dict[str, Any]:
 
 def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
     """Return the held-out shrinkage of the gap with other parameters only, and with a flexible residual."""
-    from stickslip.gap.diagnosis import prepared
+    from stickslip.gap.diagnosis import held_against
+    from stickslip.gap.likelihood.fit import unfitted
+    from stickslip.gap.likelihood.held_out import shrunk
+    from stickslip.gap.likelihood.left import judged_by_loss
+    from stickslip.gap.likelihood.search import model_alone
 
-    problem = prepared(model, log)
-    if problem.score <= problem.limit:
+    null = model_alone(held_against(model, log))
+    if not judged_by_loss(null).unusual:
         return {"parameters_only": None, "flexible_residual": None}
     return {
-        "parameters_only": _shrunk(problem, calibrated_alone(model, log, problem)),
-        "flexible_residual": _shrunk(problem, without_what_is_predicted(problem)),
+        "parameters_only": shrunk(null, calibrated_alone(model, null)).fraction,
+        "flexible_residual": shrunk(null, unfitted(without_what_is_predicted(null))).fraction,
     }
 
 
-def calibrated_alone(model: "Diagram", log: "Log", problem: "Problem") -> Floats:
-    """Return the innovations (rows, signals) of the model with parameters fitted on the first part of a record."""
-    from stickslip.gap.diagnosis import prepared
-    from stickslip.gap.fits.search import Candidate
+def calibrated_alone(model: "Diagram", null: "Fit") -> "Fit":
+    """Return the model with parameters fitted on the first part of a record."""
+    from dataclasses import replace
+
+    from stickslip.gap.likelihood.fit import refined, unfitted
+    from stickslip.gap.likelihood.hypothesis import Hypothesis
+    from stickslip.gap.records.given import Given
     from stickslip.gap.telling.sizes import SEEN
 
     loose = model.with_tolerances({key: share for key, share in LOOSE.items() if key in model.params})
-    head = prepared(loose, log.samples(0, round(SEEN * len(log))), floor=problem.floor)
-    values = dict(head.settled.values) if head.settled else {}
-    whole = prepared(loose, log, floor=problem.floor)
-    found: Floats = Candidate(whole, whole.quiet).tried([values])[0].e
-    return found
+    tolerances = {key: loose.tolerances[key] for key in loose.tolerances if key in null.hypothesis.frame.model.params}
+    frame = replace(null.hypothesis.frame, given=Given(null.hypothesis.frame.model.with_tolerances(tolerances)))
+    head = replace(frame, seen=SEEN)
+    fit = refined(Hypothesis(head).filtered({}), tuple(head.free))
+    return unfitted(Hypothesis(frame).filtered(fit.best.values))
 
 
-def without_what_is_predicted(problem: "Problem") -> Floats:
+def without_what_is_predicted(null: "Fit") -> "Innovations":
     """Return innovations less what random features of earlier rows predict of them, fitted on the first part."""
+    from dataclasses import replace
+
     from stickslip.gap.telling.sizes import SEEN
 
-    e = np.nan_to_num(problem.as_it_is)
-    log, first = problem.record.log, problem.floor.skipped
+    frame = null.hypothesis.frame
+    log, first = frame.record.log, frame.skipped
+    e = np.nan_to_num(null.best.e[first:])
     signals = np.stack([np.nan_to_num(log[s]) for s in log.names], axis=1)
     late = [np.roll(signals, k, axis=0)[first:] for k in range(1, BACK + 1)]
-    ahead = [np.stack([log[s] for s in problem.record.played], axis=1)[first:]] if problem.record.played else []
+    ahead = [np.stack([log[s] for s in frame.record.played], axis=1)[first:]] if frame.record.played else []
     X = np.concatenate([*late, *ahead], axis=1)
     seen = np.arange(len(e)) < round(SEEN * len(log)) - first
     X = (X - X[seen].mean(axis=0)) / np.maximum(X[seen].std(axis=0), 1e-9)
@@ -76,12 +85,6 @@ def without_what_is_predicted(problem: "Problem") -> Floats:
     W, phase = rng.normal(size=(X.shape[1], FEATURES)) / REACH, rng.uniform(0.0, 2.0 * np.pi, FEATURES)
     Z = np.column_stack([X, np.cos(X @ W + phase), np.ones(len(X))])
     A = Z[seen].T @ Z[seen] + RIDGE * np.eye(Z.shape[1])
-    found: Floats = e - Z @ np.linalg.solve(A, Z[seen].T @ e[seen])
-    return found
-
-
-def _shrunk(problem: "Problem", after: Floats) -> float:
-    from stickslip.gap.telling.sizes import SEEN, shrinkage
-
-    first = round(SEEN * len(problem.record.log)) - problem.floor.skipped
-    return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first).fraction
+    left = null.best.e.copy()
+    left[first:] = e - Z @ np.linalg.solve(A, Z[seen].T @ e[seen])
+    return replace(null.best, e=left)

@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
     from stickslip.diagram.diagram import Diagram
     from stickslip.logs import Log
@@ -12,10 +10,12 @@ if TYPE_CHECKING:
 
 def possible(model: "Diagram", log: "Log", effects: Mapping[str, Mapping[str, float]]) -> float | None:
     """Return the held-out shrinkage with the true effect, None for none, several, or one of log or noise only."""
-    from stickslip.gap.diagnosis import prepared
+    from stickslip.gap.diagnosis import held_against
     from stickslip.gap.effects import effect
-    from stickslip.gap.explanations.candidates import candidates
-    from stickslip.gap.telling.sizes import SEEN, shrinkage
+    from stickslip.gap.likelihood.fit import tried, unfitted
+    from stickslip.gap.likelihood.held_out import shrunk
+    from stickslip.gap.likelihood.hypothesis import Hypothesis
+    from stickslip.gap.likelihood.search import model_alone
 
     if len(effects) != 1:
         return None
@@ -23,14 +23,12 @@ def possible(model: "Diagram", log: "Log", effects: Mapping[str, Mapping[str, fl
     one = effect(name)
     if one.of_log or name == "sensor_noise":
         return None
-    problem = prepared(model, log)
+    null = model_alone(held_against(model, log))
+    frame = null.hypothesis.frame
     own = {p.name: float(values[p.name]) for p in one.parameters if p.name in values}
-    fits = [f for c in candidates(problem, problem.quiet, [one]) for f in c.tried([own]) if np.isfinite(f.F)]
-    if not fits:
-        return None
-    first = round(SEEN * len(problem.record.log)) - problem.floor.skipped
-    after = min(fits, key=lambda fit: fit.F).e
-    return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first).fraction
+    each = (tried(Hypothesis(frame, one, place), {**null.best.values, **own}) for place in one.places(frame.model))
+    found = [x for x in each if x is not None]
+    return shrunk(null, unfitted(min(found, key=lambda x: x.nll))).fraction if found else None
 
 
 def relative(found: Mapping[str, Any]) -> float | None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.hints.mistakes import Mistake, late, of_controllers, of_units
-from stickslip.gap.likelihood.diagnosing import frame_of
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.gap.records.record import GapError, switches

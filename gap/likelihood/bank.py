@@ -10,7 +10,8 @@ from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.stems import left_by_stems, likely_path
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
-from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of, complain
+from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of
+from stickslip.gap.likelihood.path import complain
 
 Floats = NDArray[np.float64]
 DRAWN = 8  # times as many stems where each draws what the controllers give

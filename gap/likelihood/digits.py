@@ -76,7 +76,7 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
 
 
 def _seen(f: Replays, signal: str, seed: int) -> bool:
-    """Return whether the controller has seen the steps of a signal: others are in better accord than rounding allows."""
+    """Return whether the controller has seen the steps of a signal: others accord better than rounding allows."""
     if f.record.filter is not None:  # which takes the controllers' accord for itself
         return False
     logs = without_gap(f.model, f.record, LATTICE_RUNS, seed)

@@ -15,9 +15,16 @@ from stickslip.gap.telling.sizes import SEEN, shrinkage, shrinkage_of_losses
 def held_out(null: Fit, best: Fit) -> Shrinkage | None:
     """Return how far the gap shrinks behind the part of the record on which model and effect are fitted again."""
     before, after = _of_first_rows(null), _of_first_rows(best)
-    if before is None or after is None:
-        return None
-    f = null.hypothesis.frame
+    return None if before is None or after is None else _shrunk(before, after)
+
+
+def shrunk(null: Fit, best: Fit) -> Shrinkage:
+    """Return how far the gap shrinks there with an effect whose size is known."""
+    return _shrunk(null.best, best.best)
+
+
+def _shrunk(before: Innovations, after: Innovations) -> Shrinkage:
+    f = before.hypothesis.frame
     if isinstance(f, Replays):
         rows = slice(f.skipped, None)
         first = round(SEEN * len(f.Y)) - f.skipped

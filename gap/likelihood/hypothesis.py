@@ -16,6 +16,7 @@ from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
+from stickslip.gap.likelihood.path import Path, complain
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
@@ -236,25 +237,6 @@ class Hypothesis(Statement):
 def bar_of(best: "Innovations | None") -> Floats:
     """Return the sums of losses at which a filter is given up that is to beat the best, (0,) where there is none."""
     return NEVER if best is None else best.bar
-
-
-def complain(status: int) -> None:
-    """Raise ``ArithmeticError`` for a status that is not 0."""
-    if status != 0:
-        raise ArithmeticError(f"a run of the diagram failed, with status {status}")
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; ``which`` of the ``slopes`` a stop has, and
-    the noise in ``force`` before it (see ``extended``).
-    """
-
-    z: Floats
-    phi: Floats
-    which: Whole
-    force: Floats
-    slopes: tuple[Floats, ...]
 
 
 @dataclass(frozen=True, eq=False)

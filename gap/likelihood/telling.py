@@ -9,7 +9,7 @@ from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from stickslip.gap.answers.sureness import OUTSIDE, Sureness
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.diagnosing import Outcome, needed
+from stickslip.gap.likelihood.explained import Outcome, needed
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.hidden import hidden

@@ -46,7 +46,7 @@ class AnyLoad(Disturbance):
 class UnmeasuredLoad:
     """A load at ``place`` with no plan: ``sd`` [its unit] and the ``period`` [s] above which half of its power lies.
 
-    ``gained`` nats by which it is likelier than the model alone, its freedom paid; ``left`` the score of what it leaves,
+    ``gained`` nats by which it is likelier than the model alone, its freedom paid; ``left`` the score of what is left,
     of which no more than ``limit`` is without a gap; ``part`` of the gap that it explains.
 
     >>> print(UnmeasuredLoad("feed", "-", 0.0651, 112.0, 1.0, 1.0, 1.0, 1.0))

@@ -110,13 +110,6 @@ class Residuals(Protocol):
     def own_runs(self, model: Diagram, record: "Record") -> list[Log]:
         """Return logs of the model with its nuisances, driven by a record's own set points."""
 
-    @property
-    def holds(self) -> bool:
-        """Whether what runs do between rows is taken from one run for all."""
-
-    def holding(self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None) -> "Residuals":
-        """Return what takes that from one run of a diagram."""
-
 
 @dataclass(frozen=True, eq=False)
 class Record:

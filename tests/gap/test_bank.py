@@ -9,7 +9,7 @@ from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.effects.deadband import Deadband
 from stickslip.gap.effects.stiction import RestingStiction
 from stickslip.gap.likelihood.bank import left_by_bank
-from stickslip.gap.likelihood.diagnosing import frame_of
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.known_stem import KnownStem
 from stickslip.gap.records.model import read

@@ -7,7 +7,7 @@ from stickslip.cases.models import level_loop, site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.exact.stems import left_by_stems
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.logs import Log

@@ -16,8 +16,8 @@ from stickslip.gap.exact.stems import stuck
 from stickslip.gap.fits.digits import levels
 from stickslip.gap.insertion.straightness import lined
 from stickslip.gap.likelihood.checks import checks
-from stickslip.gap.likelihood.diagnosing import when_switched
 from stickslip.gap.likelihood.fit import refined
+from stickslip.gap.likelihood.framing import when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import nuisances, read, silenced
 from stickslip.logs import Log

@@ -9,8 +9,8 @@ from stickslip.cases.models import level_loop, second_order_flow, site_flow
 from stickslip.diagram import Diagram, simulate
 from stickslip.diagram.inputs import close
 from stickslip.gap.effects import CATALOGUE
-from stickslip.gap.likelihood.diagnosing import frame_of
 from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.records.given import Given

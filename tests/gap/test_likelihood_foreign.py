@@ -13,9 +13,10 @@ from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import coarse, straightened
 from stickslip.gap.floors.floor import without_gap as runs_of
 from stickslip.gap.likelihood.candidates import Candidate
-from stickslip.gap.likelihood.diagnosing import frame_of, outcome, when_switched
+from stickslip.gap.likelihood.diagnosing import outcome
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import fitted, model_alone
 from stickslip.gap.likelihood.settling import settled

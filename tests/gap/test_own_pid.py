@@ -9,7 +9,7 @@ from stickslip.diagram import drive, simulate, wire
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.exact.operating import inside
-from stickslip.gap.likelihood.diagnosing import frame_of
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.start import start_values

@@ -4,7 +4,7 @@ import pytest
 from stickslip.cases.models import site_flow
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.candidates import by_score
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.judge import judged
 from stickslip.gap.likelihood.rivals import beside_random, likelier
 from stickslip.gap.likelihood.search import fitted, legal, model_alone

@@ -8,7 +8,7 @@ from stickslip.diagram import ensemble, wire
 from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.checks import checks
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.logs import Log

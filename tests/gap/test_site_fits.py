@@ -9,7 +9,7 @@ from stickslip.cases.models import level_cascade, site_flow
 from stickslip.gap import calibrated, diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.bank import left_by_bank
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.records.model import read

@@ -8,7 +8,9 @@ from scipy.stats import norm
 from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood.diagnosing import TIE, frame_of, outcome
+from stickslip.gap.likelihood.diagnosing import outcome
+from stickslip.gap.likelihood.explained import TIE
+from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 

@@ -8,7 +8,7 @@ from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.checks import checks
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.logs import Log

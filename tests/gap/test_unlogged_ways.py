@@ -9,7 +9,7 @@ from stickslip.diagram import simulate
 from stickslip.diagram.inputs import close
 from stickslip.gap.insertion.scales import span
 from stickslip.gap.likelihood.checks import checks
-from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.logs import Log

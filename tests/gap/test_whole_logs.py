@@ -8,7 +8,7 @@ from stickslip.diagram import simulate
 from stickslip.gap import diagnose
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood.diagnosing import when_switched
+from stickslip.gap.likelihood.framing import when_switched
 from stickslip.gap.likelihood.left import judged_by_loss
 from stickslip.gap.likelihood.search import model_alone
 from stickslip.logs import Log
