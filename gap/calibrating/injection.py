@@ -83,8 +83,8 @@ def _drawn(null: Fit, one: Hypothesis, rng: np.random.Generator) -> dict[str, fl
     assert effect is not None
     nominal = {name: one.nominal[name] for name in one.own}
     if one.bends:
-        _, values, zero, to_unit = one.reached
-        seen = (values - zero) * to_unit
+        _, known, zero, to_unit = one.reached
+        seen = (known - zero) * to_unit
         return {"low": nominal["low"], "high": float(np.quantile(seen, rng.uniform(*REACHED)))} if len(seen) else None
     p = _size(one)
     low, high = one.bounds[p.name]

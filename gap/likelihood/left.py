@@ -52,8 +52,7 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
 
 def nearly_all(fit: Fit, null: Fit) -> bool:
     """Return whether an effect explains so much of a gap that only its law can be a little different."""
-    effect = fit.hypothesis.effect
-    if share(fit, null) >= (NEARLY_HIDDEN if effect is not None and effect.hidden else NEARLY):
+    if share(fit, null) >= (NEARLY_HIDDEN if fit.hypothesis.sticks else NEARLY):
         return True
     return fit.hypothesis.bends and _only_at_limit(fit)
 

@@ -152,7 +152,8 @@ def left_by_replays(
     rows = [tuple(own[key] for key in keys) for own in many]
     distinct = list(dict.fromkeys(rows))
     found = dict(zip(distinct, _replayed(f, silent, keys, distinct, modes), strict=True))
-    return [None if found[row] is None else f.scaled(*found[row], own) for row, own in zip(rows, many, strict=True)]
+    each = ((found[row], own) for row, own in zip(rows, many, strict=True))
+    return [None if left is None else f.scaled(*left, own) for left, own in each]
 
 
 def _replayed(

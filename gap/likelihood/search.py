@@ -88,7 +88,7 @@ def fitted(
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
-    chosen += [c for c in found[TRIED:] if c.hypothesis.effect.hidden]
+    chosen += [c for c in found[TRIED:] if c.hypothesis.sticks]
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
@@ -143,7 +143,7 @@ def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, wit
                 return None
             band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
-    if mine.frame.replays and mine.effect is not None and mine.effect.hidden:
+    if mine.frame.replays and mine.sticks:
         return replayed_stem(mine)
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):

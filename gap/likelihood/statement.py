@@ -35,9 +35,14 @@ class Statement:
         return self.effect.started(self.effect.put(f.model, self.place), self.place, f.first)
 
     @property
+    def sticks(self) -> bool:
+        """Whether its effect has a mode, as a stem has that sticks."""
+        return self.effect is not None and self.effect.hidden
+
+    @property
     def hides(self) -> bool:
-        """Whether its effect has a mode that no log shows."""
-        return self.effect is not None and self.effect.hidden and not self.frame.replays
+        """Whether its effect has a mode that no log shows; a replay follows it by the log itself."""
+        return self.sticks and not self.frame.replays
 
     @property
     def bends(self) -> bool:

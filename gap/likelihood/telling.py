@@ -142,7 +142,7 @@ def _unknown(o: Outcome) -> GapReport:
 
 def _doubt(o: Outcome) -> float:
     """Return how near the named effect comes to not being enough, from 0 to 1."""
-    return min(1.0, o.best.size / o.best.limit) ** 2 if o.best else 1.0
+    return min(1.0, max(0.0, o.best.size / o.best.limit)) ** 2 if o.best else 1.0
 
 
 def _name(fit: Fit) -> str:
