@@ -8,12 +8,13 @@ replayed   a report and its log -> the log against the model, as it is and with 
 The rooms, each of which uses those before it only; ``stickslip.gap.diagnosis`` joins them:
 
 answers        what a diagnosis answers with             effects       the catalogue: one file an effect
-records        what a model and a log bring              fits          sizes of an effect, fitted to a record
-insertion      how an effect gets into a diagram         explanations  one effect, two or none, compared
-floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
+records        what a model and a log bring              insertion     how an effect gets into a diagram
+floors         what replays of a record without a gap leave
 linearised     residuals of diagrams too large to replay between rows
-exact          the Kalman filter of loops that are linear between scans, a fast case of the likelihood
-likelihood     one likelihood for loops with a load that nobody measures; a bank follows stems that stick
+fits           coordinates of sizes; plans, scans and digits that a log shows by itself
+telling        words, causes, places, pictures
+exact          the Kalman filter of loops that are linear between scans
+likelihood     how likely a record is, by a filter or by replays; the one search, test and report of all
 hints          which mistake of the model or the log would explain what no effect does
 calibrating    how often names are right, on runs with known effects
 """
