@@ -21,7 +21,7 @@ from benchmarks.foreign.command import foreign
 from benchmarks.gap.baselines import free_run_place, shrinkages
 from benchmarks.gap.generator import FAMILIES
 from benchmarks.gap.models import model
-from benchmarks.gap.oracle import possible, restated, right
+from benchmarks.gap.oracle import possible, right
 from benchmarks.gap.plant import runs as plant_runs
 from benchmarks.gap.plant_rows import plant_row
 from benchmarks.gap.required import NOTES, figures
@@ -39,8 +39,7 @@ def rows(
     """Return what each run came to, those made earlier and kept in the folder among them."""
     first: set[str] = set()
     also = sorted(folder.glob("diagnoses*.jsonl"))
-    made = resumed(runs, lambda run: _row(run, first, bare), part_file(folder, "diagnoses", part), seconds, also)
-    return map(restated, made)
+    yield from resumed(runs, lambda run: _row(run, first, bare), part_file(folder, "diagnoses", part), seconds, also)
 
 
 def _row(run: Run, first: set[str], bare: bool) -> dict[str, Any]:

@@ -39,18 +39,6 @@ def relative(found: Mapping[str, Any]) -> float | None:
     return min(float(got) / max(float(best), 0.05), 1.0) if best is not None and best < 1.0 else min(float(got), 1.0)
 
 
-def restated(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with the probability that is stated by now for what its answer rests on."""
-    from stickslip.gap.answers.evidence import Evidence
-    from stickslip.gap.answers.sureness import Sureness
-
-    if not row.get("evidence") or row["probability"] is None:
-        return row
-    sure = Sureness().probability(Evidence(**row["evidence"]))
-    wrong = bool(row["names"]) and not row["unknown"] and sure > 0.8 and not right(row)
-    return row | {"probability": sure, "confident_wrong": wrong}
-
-
 def right(row: Mapping[str, Any]) -> bool:
     """Return whether the answer of a row is right: the name up to its class, both names of a pair, unknown, no gap."""
     if len(row["effects"]) == 1:

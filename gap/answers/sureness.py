@@ -6,7 +6,7 @@ Runs of the user's own model (``calibrate``) count; until there are any, those o
 of runs makes a probability of 1.
 
 Runs of a catalogue's effects say nothing of effects that no catalogue has, which get the same kinds of answers.  Of the
-gaps that a filter sees one in four is taken to be such a one.  Then, with b answers of a kind that those got for each
+gaps one in four is taken to be such a one.  Then, with b answers of a kind that those got for each
 one that the catalogue's effects got,
 
     p of a name = p / (1 + b)          p of "unknown": n R / 3 of them are right among n runs, R the share found
@@ -19,41 +19,19 @@ from typing import Any
 from stickslip.gap.answers.evidence import Evidence
 
 PRIOR = 6.0  # runs that the benchmark's share counts for beside runs of one's own (A)
-CLOSE = 60.0  # nats between the named set and the next explanation, below which they are close
-NEARLY = 0.97  # share of the gap from which on hardly anything is left
-# kind of answer -> (right, of): 163 runs of the tuning seeds of ``benchmarks.gap``, ideal flow, on which the diagnosis
-# was made, each with its latest answer, so that these shares are a fit and flatter; "pair" of 36 others (seeds 7500 to
-# 7603, misses of which have been worked on) and of the pairs of the family "tuning", "unknown" of these and of its
-# effects outside the catalogue, 65 records that were made again with this code
+# kind of answer -> (right, of): the site loop, 124 tuning records with an effect (seeds 50, 52, 60; misses of the first
+# two have been worked on, so these shares flatter); "unknown" of 61 whose effect the catalogue lacks, at their share
+# (``OUTSIDE``); "pair" of the ideal flow, 36 records of seeds 7500 to 7603 and those of the family "tuning"
 BENCHMARK: Mapping[str, tuple[int, int]] = {
-    "complete, clear": (104, 104), "complete, close": (9, 9), "adequate, above 0.97": (2, 2),
-    "adequate, below 0.97": (8, 8), "digits": (9, 11), "pair": (42, 44), "unknown": (46, 48),
-    # site loop, 124 tuning records with an effect (seeds 50, 52, 60; misses of the first two have been worked on, so
-    # these shares flatter); "unknown" of 61 whose effect the catalogue lacks, at their share (``OUTSIDE``)
-    "filter, digits": (10, 10), "filter, white": (76, 76), "filter, unknown": (40, 42),
-    # separator section and full plant, 21 tuning records of seeds 61 and 62, by the filter as it was being made
-    "segments, complete": (15, 18), "segments, adequate": (3, 3),
+    "digits": (10, 10), "white": (76, 76), "pair": (42, 44), "unknown": (40, 42),
 }  # fmt: skip
-
-
-def kind(evidence: Evidence) -> str:
-    """Return the kind of an answer: what it rests on, coarsely.
-
-    >>> kind(Evidence("complete", 5000.0, 1.0, 2000.0)), kind(Evidence("adequate", 5000.0, 0.95, 20.0))
-    ('complete, clear', 'adequate, below 0.97')
-    """
-    if evidence.kind == "complete":
-        return "complete, clear" if evidence.margin > CLOSE else "complete, close"
-    if evidence.kind == "adequate":
-        return f"adequate, {'above' if evidence.share >= NEARLY else 'below'} {NEARLY:g}"
-    return evidence.kind
 
 
 OUTSIDE = 0.25  # share of the gaps whose effect is in no catalogue
 # kind of answer -> such answers to effects outside the catalogue, for each one to effects of the catalogue: one more
 # than found of 61 tuning records whose effect the catalogue lacks (27 of seeds 50, 52 and 60 that no catalogue has; of
 # seed 60, 34 with their class left out); two of them got a name, both with a rival near
-MISTAKEN: Mapping[str, float] = {"filter, white": 0.009}
+MISTAKEN: Mapping[str, float] = {"white": 0.009}
 RECALLED = 0.9  # share of effects outside the catalogue that are called unknown
 
 
@@ -66,11 +44,11 @@ class Sureness:
 
     def probability(self, evidence: Evidence) -> float:
         """Return how probable a name is that rests on this."""
-        of_kind = kind(evidence)
+        of_kind = evidence.kind
         right, of = BENCHMARK.get(of_kind, (1, 1))
         prior = (right + 0.5) / (of + 1.0)
         own_right, own_of = map(float, self.own.get(of_kind, (0, 0)))
-        if of_kind == "filter, unknown":
+        if of_kind == "unknown":
             beside = RECALLED * OUTSIDE / (1.0 - OUTSIDE) * self.runs
             own_right, own_of = own_right + beside, own_of + beside
         return (own_right + PRIOR * prior) / (own_of + PRIOR) / (1.0 + MISTAKEN.get(of_kind, 0.0))
@@ -89,7 +67,7 @@ def counted(rows: Iterable[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
     found: dict[str, tuple[int, int]] = {}
     for row in rows:
         if row["evidence"] and row["evidence"]["kind"] != "none":
-            of_kind = kind(Evidence(**row["evidence"]))
+            of_kind = row["evidence"]["kind"]
             right, of = found.get(of_kind, (0, 0))
             found[of_kind] = right + bool(row["right"]), of + 1
     return dict(sorted(found.items()))

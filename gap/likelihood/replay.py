@@ -29,6 +29,8 @@ from stickslip.gap.records.record import FEWEST, GapError, Record
 from stickslip.gap.records.start import start_values
 
 Floats = NDArray[np.float64]
+RUNS = 40  # of the model without a gap
+AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,7 @@ class Replays(Frame):
 
     @property
     def replays(self) -> bool:
+        """True."""
         return True
 
     @cached_property
@@ -94,7 +97,7 @@ class Replays(Frame):
             near = 1.5 * self.record.lattice(s)
             found |= (log[s] <= low + near) | (log[s] >= high - near)
         for back in range(1, AFTER_LIMIT):
-            found[back:] |= found[:-back] & True
+            found[back:] |= found[:-back].copy()
         return found
 
     @cached_property
@@ -107,10 +110,6 @@ class Replays(Frame):
             if block:
                 found.setdefault(block, []).append(s)
         return {block: tuple(signals) for block, signals in found.items()}
-
-
-RUNS = 40  # of the model without a gap
-AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 
 
 def replays_of(model: Diagram, record: Record, seed: int = 0) -> Replays:

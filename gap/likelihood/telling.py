@@ -100,7 +100,7 @@ def _named(o: Outcome) -> GapReport:
             f"({o.best.size:.1f} standard deviations at most, {o.best.name})."
         )
     if o.textured:
-        sure = Sureness().probability(Evidence("filter, digits", o.null.nll - best.nll))
+        sure = Sureness().probability(Evidence("digits", o.null.nll - best.nll))
     else:
         shares = _posterior(o, o.fits)
         sure = float((1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named))
@@ -206,8 +206,8 @@ def _report(
     both = np.stack([o.null.best.judged, after.best.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     gained = max(o.null.nll - after.nll, 0.0)
-    rests = "filter, digits" if o.textured else "pair" if o.firsts else "filter, white"
-    kind = "none" if not o.gap else (rests if o.named else "filter, unknown")
+    rests = "digits" if o.textured else "pair" if o.firsts else "white"
+    kind = "none" if not o.gap else (rests if o.named else "unknown")
     evidence = Evidence(kind, gained)
     t, notes = f.record.log.t[f.skipped :], _notes(o, after)
     return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, evidence)

@@ -2,11 +2,11 @@
 
 import pytest
 
-from benchmarks.gap.oracle import relative, restated, right
+from benchmarks.gap.oracle import relative, right
 from benchmarks.gap.required import NOTES, figures
 from benchmarks.gap.table import COLUMNS, write_table
 
-CLEAR = {"kind": "complete", "gap": 1e4, "share": 1.0, "margin": 1e3}
+CLEAR = {"kind": "white", "gap": 1e4}
 ROW = {
     "setting": "ideal", "severity": "typical", "mv": False, "effects": ["dead_time"], "outside": "", "visible": 1.0,
     "gap": True, "names": ["dead_time"], "sets": [["dead_time"]], "places": ["process"], "probability": 0.5,
@@ -32,12 +32,6 @@ def test_what_is_right_is_said_for_each_kind_of_run():
     assert right(ROW) and not right(WRONG) and not right(OUTSIDE)
     assert right(OUTSIDE | {"unknown": True}) and right(ROW | {"effects": [], "gap": False})
     assert right(ROW | {"effects": ["dead_time", "stiction"], "both": True})
-
-
-def test_the_probability_is_the_one_stated_by_now_and_a_wrong_name_above_it_is_confident():
-    again = restated(dict(OUTSIDE))
-    assert 0.8 < again["probability"] < 1.0 and again["confident_wrong"]
-    assert not restated(OUTSIDE | {"names": ["unknown"], "unknown": True})["confident_wrong"]
 
 
 def test_shrinkage_is_relative_to_the_true_effect():

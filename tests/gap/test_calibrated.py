@@ -53,10 +53,10 @@ def test_a_diagnosis_states_the_shares_that_were_counted(found, log):
 
 def test_no_number_of_runs_makes_a_probability_of_one():
     # analytic: a Beta prior of A runs leaves 1 - A (1 - p_0)/(n + A)
-    clear = Evidence("complete", 1e4, 1.0, 1e3)
-    sure = Sureness({"complete, clear": (1000, 1000)}, 1000)
+    clear = Evidence("pair", 1e4)
+    sure = Sureness({"pair": (1000, 1000)}, 1000)
     assert 0.995 < sure.probability(clear) < 1.0
-    assert Sureness({"complete, clear": (5, 10)}, 10).probability(clear) < 0.8
+    assert Sureness({"pair": (5, 10)}, 10).probability(clear) < 0.8
     assert "not in runs of this model" in str(Sureness())
 
 
