@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.gap.fits.loads import is_load
-from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.fit import Fit, all_at_once, refined, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import score
@@ -99,13 +99,18 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     alone = one.adds_to(null.hypothesis) and not one.hides
     near = None if alone else null.best
     tries = sizes(null, one)
-    for size in tries[1::2] if alone else tries:  # along one direction, where each costs a filter
-        found = tried(one, {**at, **size}, near, FIRST_RUNS, null.best if alone else None)
+    many = [
+        {**at, **size} for size in (tries[1::2] if alone else tries)
+    ]  # along one direction, where each costs a filter
+    bar = null.best if alone else None
+    for found in all_at_once(one, many) if one.frame.replays else (tried(one, x, near, FIRST_RUNS, bar) for x in many):
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
         gain, direction, _ = scored
-        if alone:  # other noise may have taken its place, which the likelihood weighs and the score does not
+        if (
+            alone or one.frame.replays
+        ):  # other noise may have taken its place, which the likelihood weighs and the score does not
             gain = max(gain, null.nll - found.nll)
         if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
             best, least = Candidate(one, found.values, gain, None if alone else direction), found.nll

@@ -9,9 +9,10 @@ from stickslip.diagram.progress import Progress
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate, by_race, by_score
 from stickslip.gap.likelihood.digits import by_digits
-from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.framing import when_switched
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import enough, judged
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.nesting import one_of_nested
@@ -82,11 +83,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
     far = null.best.gross or bool(at_bound(null))  # noise that wants to be larger than it can be hides how far it is
-    found = (
-        by_race(null, rough, legal(rough, catalogue), progress)
-        if far
-        else by_score(null, legal(null, catalogue), progress)
-    )
+    found = _looked_at(null, rough, catalogue, far, progress)
     values = float(np.isfinite(null.best.judged).sum())
     calm = not alone.unusual and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
     # scores say little of what hides a mode
@@ -113,6 +110,20 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
     return Outcome(null, alone, fits, best, gap, not_told_apart(fits) if good else (), rival=rival)
+
+
+def _looked_at(
+    null: Fit, rough: Fit, catalogue: Sequence[Effect], far: bool, progress: Progress
+) -> Sequence[Candidate]:
+    """Return a first size of every effect, the best first."""
+    frame = null.hypothesis.frame
+    if isinstance(frame, Replays) and frame.record.filter is not None:  # whose own runs between rows take long
+        alone = tried(Hypothesis(frame.quick), null.best.values)
+        quick = null if alone is None else replace(null, best=alone)
+        return by_score(quick, legal(quick, catalogue), progress)
+    if far:
+        return by_race(null, rough, legal(rough, catalogue), progress)
+    return by_score(null, legal(null, catalogue), progress)
 
 
 def not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:

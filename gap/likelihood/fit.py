@@ -82,6 +82,12 @@ def tried(
     return found if math.isfinite(found.nll) else None
 
 
+def all_at_once(one: Hypothesis, many: Sequence[Mapping[str, float]]) -> list[Innovations | None]:
+    """Return what replays of many sets of values leave, which takes less than one after another."""
+    legal = [values for values in many if not _ruled_out(one, {**one.nominal, **values})]
+    return [found if found is not None and math.isfinite(found.nll) else None for found in one.replayed(legal)]
+
+
 def _ruled_out(one: Hypothesis, values: Mapping[str, float]) -> bool:
     """Return whether an effect cannot have these values."""
     own = {name: values[name] for name in one.own}

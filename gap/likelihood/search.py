@@ -88,7 +88,8 @@ def fitted(
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
-    chosen += [c for c in found[TRIED:] if c.hypothesis.sticks]
+    if null.hypothesis.frame.record.filter is None:  # a large diagram has too many stems, and their scores do say much
+        chosen += [c for c in found[TRIED:] if c.hypothesis.sticks]
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):

@@ -51,7 +51,7 @@ class Filter:
     ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
     ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows,
     signals) what is left on average without a gap behind jumps of set points, between whose rows the outputs of
-    controllers are not quite known.
+    controllers are not quite known; ``held`` what every diagram does there, None for its own run.
     """
 
     parts: Parts
@@ -61,6 +61,7 @@ class Filter:
     process: Linear
     back: Mapping[str, Floats]
     expected: Floats | None = None
+    held: Behind | None = None
     known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
@@ -77,8 +78,14 @@ class Filter:
             out[..., record.pinned.index(s)] = values
         return out if self.expected is None else out - self.expected[: out.shape[1]]
 
+    def holding(self, diagram: Diagram, record: Record) -> "Filter":
+        """Return the filter for which every diagram does between rows what one run of this one does."""
+        return replace(self, held=self.between_rows(diagram, record, {}))
+
     def between_rows(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
         """Return what runs of a diagram do between rows; a stem that sticks does it at other times than the log's."""
+        if self.held is not None:
+            return self.held
         seen = self.quiet if any(block.can_stick for block in diagram.blocks) else diagram
         known = [*self.parts.known, *self.parts.measured]
         if given and seen is diagram:
@@ -200,7 +207,7 @@ class Filter:
             record,
             [record.log],
             {},
-            self.between_rows(self.quiet, record, {}),
+            replace(self, held=None).between_rows(self.quiet, record, {}),
         )
 
     def _kept(self, key: object, named: object, made: Any) -> Any:
