@@ -16,7 +16,6 @@ from benchmarks.gap.settings import SETTINGS
 if TYPE_CHECKING:
     from stickslip.diagram.diagram import Diagram
     from stickslip.gap.likelihood.fit import Fit
-    from stickslip.gap.likelihood.hypothesis import Innovations
     from stickslip.logs import Log
 
 LOOSE = {"process.K": 0.5, "process.tau": 0.5, "process.omega": 0.5, "process.T": 0.5,
@@ -34,6 +33,8 @@ def free_run_place(record: Any) -> dict[str, Any]:
 
 def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
     """Return the held-out shrinkage of the gap with other parameters only, and with a flexible residual."""
+    from dataclasses import replace
+
     from stickslip.gap.diagnosis import held_against
     from stickslip.gap.likelihood.fit import unfitted
     from stickslip.gap.likelihood.held_out import shrunk
@@ -43,9 +44,10 @@ def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
     null = model_alone(held_against(model, log))
     if not judged_by_loss(null).unusual:
         return {"parameters_only": None, "flexible_residual": None}
+    left = replace(null.best, e=without_what_is_predicted(null.hypothesis.frame, null.best.e))
     return {
         "parameters_only": shrunk(null, calibrated_alone(model, null)).fraction,
-        "flexible_residual": shrunk(null, unfitted(without_what_is_predicted(null))).fraction,
+        "flexible_residual": shrunk(null, unfitted(left)).fraction,
     }
 
 
@@ -66,15 +68,12 @@ def calibrated_alone(model: "Diagram", null: "Fit") -> "Fit":
     return unfitted(Hypothesis(frame).filtered(fit.best.values))
 
 
-def without_what_is_predicted(null: "Fit") -> "Innovations":
-    """Return innovations less what random features of earlier rows predict of them, fitted on the first part."""
-    from dataclasses import replace
-
+def without_what_is_predicted(frame: Any, innovations: Any) -> Any:
+    """Return innovations (rows, signals) less what random features of earlier rows predict of them."""
     from stickslip.gap.telling.sizes import SEEN
 
-    frame = null.hypothesis.frame
     log, first = frame.record.log, frame.skipped
-    e = np.nan_to_num(null.best.e[first:])
+    e = np.nan_to_num(innovations[first:])
     signals = np.stack([np.nan_to_num(log[s]) for s in log.names], axis=1)
     late = [np.roll(signals, k, axis=0)[first:] for k in range(1, BACK + 1)]
     ahead = [np.stack([log[s] for s in frame.record.played], axis=1)[first:]] if frame.record.played else []
@@ -85,6 +84,6 @@ def without_what_is_predicted(null: "Fit") -> "Innovations":
     W, phase = rng.normal(size=(X.shape[1], FEATURES)) / REACH, rng.uniform(0.0, 2.0 * np.pi, FEATURES)
     Z = np.column_stack([X, np.cos(X @ W + phase), np.ones(len(X))])
     A = Z[seen].T @ Z[seen] + RIDGE * np.eye(Z.shape[1])
-    left = null.best.e.copy()
+    left = innovations.copy()
     left[first:] = e - Z @ np.linalg.solve(A, Z[seen].T @ e[seen])
-    return replace(null.best, e=left)
+    return left

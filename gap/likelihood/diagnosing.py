@@ -76,6 +76,8 @@ def _promising(alone: Outcome) -> bool:
 def _with_second(first: Fit, catalogue: Sequence[Effect], seed: int, progress: Progress) -> Outcome | None:
     """Return what explains a record beside a first effect, None if nothing can be beside it."""
     stems = [effect for effect in catalogue if effect.hidden]
+    if first.hypothesis.sticks and first.hypothesis.frame.replays:  # two stems at once are not looked for
+        catalogue = [effect for effect in catalogue if effect not in stems]
     if first.hypothesis.hides:
         others = explained(with_effect(first), [effect for effect in catalogue if effect not in stems], seed, progress)
         part = as_part(others.fits[0], first) if others.fits else None

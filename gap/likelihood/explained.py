@@ -14,9 +14,10 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.framing import when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import enough, judged
+from stickslip.gap.likelihood.left import allowed, gained_by_chance
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.nesting import one_of_nested
-from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.rivals import beside_random, likelier
 from stickslip.gap.likelihood.scores import at_bound
@@ -92,7 +93,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     within = math.inf if alone.unusual else null.nll + LAGGING
     fits = fitted(null, chosen, far, within, progress)
     fits = one_of_nested(fits, null) if frame.replays else fits
-    gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
+    gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > _least_gain(fits[0], null, found, seed))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), looked=found)
     mine = fits[0].hypothesis
@@ -107,9 +108,19 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
         unsure = STEM_TIE if mine.hides else TIE
         good = enough(fits[0], best, alone, null) and (frame.replays or not likelier(fits[0], null, unsure))
     share = moved(mine, fits[0].best.values, seed) if good or not alone.unusual else 1.0
-    if share < RELEVANT:
+    if share < least(frame):
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
     return Outcome(null, alone, fits, best, gap, not_told_apart(fits) if good else (), rival=rival)
+
+
+def _least_gain(fit: Fit, null: Fit, found: Sequence[Candidate], seed: int) -> float:
+    """Return how many nats make an effect a gap where the model alone leaves nothing unusual."""
+    frame = null.hypothesis.frame
+    if not isinstance(frame, Replays):
+        return needed(found)
+    return allowed(frame) + gained_by_chance(
+        fit, null, seed
+    )  # another integrator, and rows between scans, cost as much
 
 
 def _looked_at(

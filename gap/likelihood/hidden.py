@@ -16,7 +16,7 @@ from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.scores import score
 
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
@@ -82,7 +82,8 @@ def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> fl
 def _of_relevance(one: Hypothesis, values: dict[str, float], by: float, seed: int) -> float:
     """Return how far a size has to be from neutral to move a signal by what is relevant, at least ``by``."""
     share = moved(one, {**one.nominal, **values}, seed)
-    return by if share >= RELEVANT else by * BEYOND * RELEVANT / max(share, SLIGHT)
+    relevant = least(one.frame)
+    return by if share >= relevant else by * BEYOND * relevant / max(share, SLIGHT)
 
 
 def _shows(null: Fit, one: Hypothesis, values: dict[str, float], needed: float, seed: int) -> bool:

@@ -125,14 +125,14 @@ def _gumbel(share: float) -> float:
     return -math.log(-math.log(share))
 
 
-def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit) -> bool:
+def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit | None = None) -> bool:
     """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves.
 
     A fit whose own runs fail, where those of the model alone do not, wrote no such log.
     """
     if math.isinf(verdict.limit) and math.isfinite(alone.limit):
         return False
-    if isinstance(fit.hypothesis.frame, Replays):
+    if null is not None and isinstance(fit.hypothesis.frame, Replays):
         return not verdict.unusual or nearly_all(fit, null)
     return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 

@@ -23,10 +23,12 @@ SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread for
 GAINED = 12.0  # nats that what is left may lie above that
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nearly
+NEARLY_SQUARED = 0.9  # of the squares that a stem explains whatever its law, in a model without noise
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
 LARGER, WHITE = 1.02, 5.0  # factor of the stated noise that matters; largest figure of white noise
 SMALLEST = 1e-9  # [nats]
 STANDING = 0.003  # share of the rows that stand at a limit, at least
+CHANCES = 6  # runs without a gap, which say what an effect gains there
 OWN_RUNS = 4  # runs of the model with the effect
 
 
@@ -54,6 +56,10 @@ def nearly_all(fit: Fit, null: Fit) -> bool:
     """Return whether an effect explains so much of a gap that only its law can be a little different."""
     if share(fit, null) >= (NEARLY_HIDDEN if fit.hypothesis.sticks else NEARLY):
         return True
+    if fit.hypothesis.sticks and not fit.hypothesis.frame.noise:
+        # without noise a row at which two laws of friction differ a little costs as one at which all is wrong
+        before, after = (float(np.nansum(one.best.e**2)) for one in (null, fit))
+        return after <= (1.0 - NEARLY_SQUARED) * before
     return fit.hypothesis.bends and _only_at_limit(fit)
 
 
@@ -128,6 +134,17 @@ def level(found: Innovations) -> float:
 def allowed(frame: Replays) -> float:
     """Return the gain in log likelihood from which on an effect is worth reporting [nats]."""
     return GAINED + (0.0 if frame.floor.coloured else INEXACT * (len(frame.Y) - frame.skipped))
+
+
+def gained_by_chance(fit: Fit, null: Fit, seed: int = 0) -> float:
+    """Return what an effect gains, with its sizes, on runs of the model without a gap at most [nats]."""
+    f, best = null.hypothesis.frame, 0.0
+    for log in without_gap(f.model, f.record, CHANCES, seed + 1):
+        run = replace(f, record=replace(f.record, log=log))
+        apart = [tried(one.hypothesis.of(run), one.best.values) for one in (null, fit)]
+        if apart[0] is not None and apart[1] is not None:
+            best = max(best, apart[0].nll - apart[1].nll)
+    return best
 
 
 def _own_runs(fit: Fit, far: float, seed: int) -> float:

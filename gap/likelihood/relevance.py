@@ -9,12 +9,19 @@ from collections.abc import Mapping
 
 import numpy as np
 from stickslip.gap.floors.floor import unrounded
+from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 
 RUNS = 3
 STRETCHES = 20  # of a record
 ALL = 1.0  # of its movement
-RELEVANT = 0.005  # of a signal's movement: no plant computes like its model, and what is less is no gap
+RELEVANT = 0.01  # of a signal's movement: no plant computes like its model, and what is less is no gap
+RELEVANT_SHARP = 0.005  # the same of a loop without loads, in which less shows
+
+
+def least(frame: Frame) -> float:
+    """Return the share of a signal's movement below which an effect does not matter."""
+    return RELEVANT_SHARP if frame.replays else RELEVANT
 
 
 def moved(one: Hypothesis, values: Mapping[str, float], seed: int = 0) -> float:

@@ -261,7 +261,7 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
             if best is before:
                 break
     if isinstance(bank.one.effect, Stiction) and best.values.get("J", 0.0) > 0.0:
-        other = _other_law(best.hypothesis)
+        other = other_law(best.hypothesis)
         ahead = bank.tried(_sizes(best), other)
         if ahead is not None and ahead.nll < best.nll:
             best = ahead
@@ -288,7 +288,7 @@ def _moved(size: dict[str, float], k: int, way: float) -> dict[str, float]:
     return {"S": f_s + f_c, "J": max(f_s - f_c, 0.0)}
 
 
-def _other_law(one: Hypothesis) -> Hypothesis:
+def other_law(one: Hypothesis) -> Hypothesis:
     """Return the stem that slides on behind a held OP in place of one that sticks anew, or the other way round."""
     law = Stiction() if isinstance(one.effect, RestingStiction) else RestingStiction()
     return replace(one, effect=law)

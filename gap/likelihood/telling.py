@@ -13,7 +13,7 @@ from stickslip.gap.likelihood.explained import Outcome, needed
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.hidden import hidden
-from stickslip.gap.likelihood.relevance import RELEVANT
+from stickslip.gap.likelihood.relevance import least
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.search import price
 from stickslip.gap.likelihood.separating import next_test
@@ -28,6 +28,7 @@ from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.structure import by_wiring
 
 LISTED = 12  # explanations in the ranking
+LEAST_DOUBT = 0.1  # of the limit: what leaves less than runs leave on average is not certain either
 
 
 def told(o: Outcome, limits: bool = True, seed: int = 0, counted: Sureness | None = None) -> GapReport:
@@ -56,11 +57,12 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
             "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
             f"is {o.alone.size:.1f} standard deviations, {o.alone.name}; {o.alone.limit:.1f} are usual)."
         ]
-        if o.fits and o.share < RELEVANT:
+        relevant = least(o.null.hypothesis.frame)
+        if o.fits and o.share < relevant:
             near = o.fits[0]
             words = [
                 f"No gap of relevance: {_name(near)} at {near.hypothesis.place} would explain the log best, but it "
-                f"moves no signal by more than {o.share:.2g} of its movement; less than {RELEVANT:g} is no gap."
+                f"moves no signal by more than {o.share:.2g} of its movement; less than {relevant:g} is no gap."
             ]
         would = hidden(o.null, o.looked, needed(o.looked), seed + 1) if limits else []
         if would:
@@ -142,7 +144,7 @@ def _unknown(o: Outcome) -> GapReport:
 
 def _doubt(o: Outcome) -> float:
     """Return how near the named effect comes to not being enough, from 0 to 1."""
-    return min(1.0, max(0.0, o.best.size / o.best.limit)) ** 2 if o.best else 1.0
+    return min(1.0, max(LEAST_DOUBT, o.best.size / o.best.limit)) ** 2 if o.best else 1.0
 
 
 def _name(fit: Fit) -> str:

@@ -32,6 +32,7 @@ from stickslip.blocks import (
     SampledFilter,
     SampledFunction,
     SampledPI,
+    SampledPID,
     SampledSensor,
     Saturation,
     SecondOrder,
@@ -79,6 +80,7 @@ class UnitDelay(Block):
 SAMPLED = {
     Noise: lambda: Noise("D", sd=1.0, dt=1.0),
     SampledPI: lambda: SampledPI(0.4, 10.0, dt=1.0, inputs=["a", "b"], outputs="D"),
+    SampledPID: lambda: SampledPID(0.4, 10.0, 2.0, dt=1.0, inputs=["a", "b"], outputs="D"),
     SampledSensor: lambda: SampledSensor(1.0, sd=0.1, inputs="a", outputs="D"),
     KanoValve: lambda: KanoValve(0.06, 0.02, 1.0, inputs="a", outputs="D"),
     ChoudhuryValve: lambda: ChoudhuryValve(0.06, 0.02, 1.0, inputs="a", outputs="D"),

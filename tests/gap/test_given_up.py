@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood import diagnosing, phase
+from stickslip.gap.likelihood import framing, phase
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis
 from stickslip.gap.likelihood.phase import in_phase
@@ -71,6 +71,6 @@ def test_few_phases_of_a_scan_are_followed_in_all_rows(monkeypatch):
 def test_a_start_from_which_no_run_ends_gives_way_to_the_one_that_is_stated(monkeypatch):
     # where a log stands far from its model, the start that suits its first rows was a stem at 30,000 %
     opened, record = read(tank(), logged(tank(), 6))
-    monkeypatch.setattr(diagnosing, "start_values", lambda quiet, record: {"tank.h": 1e300})
-    frame = diagnosing.frame_of(opened, record)
+    monkeypatch.setattr(framing, "start_values", lambda quiet, record: {"tank.h": 1e300})
+    frame = framing.frame_of(opened, record)
     assert frame is not None and frame.given.model["tank"].x0.tolist() == [1.0]
