@@ -16,7 +16,7 @@ from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a drift
-SHORTEST = 6.0  # period, in rows
+SHORTEST = 4.0  # period, in rows
 TRIED = 4  # shapes that are replayed
 FEW, WIDER = 0.99, 3.0  # quantile of the innovations that is looked at too, if it is so many times the usual size
 HARMONICS = 8
@@ -36,19 +36,16 @@ def planned(
     t: Floats,
     e: Floats,
     h: Floats,
-    least: float = 0.0,
-    shortest: float = SHORTEST,
 ) -> list[dict[str, float]]:
     """Return the sizes of a planned load that suit innovations ``e`` (rows, signals) at the times ``t`` [s] best.
 
-    ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations; ``least``
-    nats that a load has to promise, or there is none; ``shortest`` period [rows].
+    ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations.
     """
     if effect is None:
         return []
     if "time" in [p.name for p in effect.parameters]:
-        return _steps(t, e, h, least)
-    return _periods(t, e, h, _harmonics(effect, base, place), least, shortest)
+        return _steps(t, e, h)
+    return _periods(t, e, h, _harmonics(effect, base, place))
 
 
 def trimmed(e: Floats) -> list[Floats]:
@@ -66,7 +63,7 @@ def trimmed(e: Floats) -> list[Floats]:
         return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
 
 
-def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, float]]:
+def _steps(t: Floats, e: Floats, h: Floats) -> list[dict[str, float]]:
     """Return amplitude and time of the best steps, and of one before the first row."""
     n = len(e)
     H = np.zeros((n, h.shape[1]))
@@ -79,23 +76,19 @@ def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, floa
     least_power = 0.001 * power[0]  # a step that hardly shows inside the record is none
     gain = hit**2 / np.maximum(power, max(least_power, 1e-300))
     gain[power < least_power] = 0.0
-    if 0.5 * float(gain.max(initial=0.0)) < least:
-        return []
     found = [{"amplitude": hit[k] / power[k], "time": float(t[k])} for k in _peaks(gain, n // 50 + 1)]
     return [*found, {"amplitude": hit[0] / power[0], "time": 0.0}]
 
 
-def _periods(
-    t: Floats, e: Floats, h: Floats, harmonics: list[complex], least: float, fewest: float
-) -> list[dict[str, float]]:
-    """Return amplitude, period and phase of the best periodic loads with these harmonics, no shorter than ``fewest``
+def _periods(t: Floats, e: Floats, h: Floats, harmonics: list[complex]) -> list[dict[str, float]]:
+    """Return amplitude, period and phase of the best periodic loads with these harmonics, no shorter than ``SHORTEST``
     rows.
     """
     n, dt = len(e), float(np.median(np.diff(t)))
     size = FINER * (1 << (n - 1).bit_length())
     E, H = np.fft.rfft(e, size, axis=0), np.fft.rfft(h[: n // 2], size, axis=0)
     hit, power = -(np.conj(H) * E).sum(axis=1), (np.abs(H) ** 2).sum(axis=1)
-    longest, shortest = LONGEST * n * dt, fewest * dt
+    longest, shortest = LONGEST * n * dt, SHORTEST * dt
     k = np.arange(max(1, math.ceil(size * dt / longest)), min(int(size * dt / shortest), len(hit) - 1))
     turns = np.arange(PHASES) / PHASES
     total, norm = np.zeros((len(k), PHASES)), np.full(len(k), 1e-300)
@@ -109,8 +102,6 @@ def _periods(
     rows = np.arange(len(k))
     gain = np.maximum(total[rows, best], 0.0) ** 2 / norm
     found: list[dict[str, float]] = []
-    if 0.5 * float(gain.max(initial=0.0)) < least:
-        return found
     for i in _peaks(gain, 2 * FINER):
         period = size * dt / k[i]
         # Rows count from where scoring begins; a sample that is held stands half an interval later.

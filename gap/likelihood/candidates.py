@@ -99,18 +99,16 @@ def _scored(null: Fit, one: Hypothesis) -> Candidate | None:
     alone = one.adds_to(null.hypothesis) and not one.hides
     near = None if alone else null.best
     tries = sizes(null, one)
-    many = [
-        {**at, **size} for size in (tries[1::2] if alone else tries)
-    ]  # along one direction, where each costs a filter
+    few = tries[1::2] if alone else tries  # along one direction, where each costs a filter
+    many = [{**at, **size} for size in few]
     bar = null.best if alone else None
     for found in all_at_once(one, many) if one.frame.replays else (tried(one, x, near, FIRST_RUNS, bar) for x in many):
         scored = None if found is None else score(null, found)
         if found is None or scored is None:
             continue
         gain, direction, _ = scored
-        if (
-            alone or one.frame.replays
-        ):  # other noise may have taken its place, which the likelihood weighs and the score does not
+        # other noise may have taken its place, which the likelihood weighs and the score does not
+        if alone or one.frame.replays:
             gain = max(gain, null.nll - found.nll)
         if best is None or gain > best.gain + CLOSE or (gain > best.gain - CLOSE and found.nll < least):
             best, least = Candidate(one, found.values, gain, None if alone else direction), found.nll

@@ -14,9 +14,9 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.framing import when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import enough, judged
-from stickslip.gap.likelihood.left import allowed, gained_by_chance
+from stickslip.gap.likelihood.left import GAINED, allowed, gained_by_chance
 from stickslip.gap.likelihood.logged_stem import LoggedStem
-from stickslip.gap.likelihood.nesting import one_of_nested
+from stickslip.gap.likelihood.nesting import nested, one_of_nested
 from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.rivals import beside_random, likelier
@@ -31,7 +31,7 @@ from stickslip.gap.likelihood.search import (
     schwarz,
 )
 from stickslip.gap.likelihood.settling import settled
-from stickslip.gap.likelihood.unmeasured import ALLOWED, UnmeasuredLoad, unmeasured_load
+from stickslip.gap.likelihood.unmeasured import UnmeasuredLoad, unmeasured_load
 from stickslip.gap.likelihood.verdict import Verdict
 
 ODDS = 10.0  # to one, for an effect against none
@@ -102,7 +102,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     rival = unmeasured_load(null) if isinstance(frame, Replays) else None
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
     if rival is not None and best.unusual:  # what leaves something has to be likelier than a load of any spectrum
-        good = good and null.nll - price(fits[0]) > rival.gained + ALLOWED
+        good = good and null.nll - price(fits[0]) > rival.gained + GAINED
     if good:
         best = beside_random(fits[0], best)
         unsure = STEM_TIE if mine.hides else TIE
@@ -118,9 +118,8 @@ def _least_gain(fit: Fit, null: Fit, found: Sequence[Candidate], seed: int) -> f
     frame = null.hypothesis.frame
     if not isinstance(frame, Replays):
         return needed(found)
-    return allowed(frame) + gained_by_chance(
-        fit, null, seed
-    )  # another integrator, and rows between scans, cost as much
+    # another integrator, and rows between scans, cost as much
+    return allowed(frame) + gained_by_chance(fit, null, seed)
 
 
 def _looked_at(
@@ -140,15 +139,5 @@ def _looked_at(
 def not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:
     """Return the first fit, and those that the record does not tell from it, the likeliest first."""
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
-    near = [
-        fit for fit in fits if price(fit) <= price(fits[0]) + STEM_TIE and _nested(fit, fits[0]) and fit not in same
-    ]
+    near = [fit for fit in fits if price(fit) <= price(fits[0]) + STEM_TIE and nested(fit, fits[0]) and fit not in same]
     return [*same, *near]
-
-
-def _nested(one: Fit, other: Fit) -> bool:
-    """Return whether one of two effects at one place nests the other."""
-    a, b = one.hypothesis.effect, other.hypothesis.effect
-    if a is None or b is None or one.hypothesis.place != other.hypothesis.place:
-        return False
-    return a.nests == b.name or b.nests == a.name

@@ -31,6 +31,11 @@ def one_of_nested(fits: Sequence[Fit], null: Fit) -> list[Fit]:
     return kept
 
 
+def nested(one: Fit, other: Fit) -> bool:
+    """Return whether one of two effects at one place contains the other."""
+    return _contains(one, other) or _contains(other, one)
+
+
 def _contains(wide: Fit, narrow: Fit) -> bool:
     a, b = wide.hypothesis, narrow.hypothesis
     return a.place == b.place and b.effect is not None and a.nests == b.effect.name

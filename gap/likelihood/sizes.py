@@ -123,7 +123,7 @@ def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     t, first = f.record.log.t, f.skipped
     left = null.best.e[first:]
     several = trimmed(left) if f.replays else [np.clip(np.nan_to_num(left), -CALM, CALM)]
-    guesses = [g for e in several for g in planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)]
+    guesses = [g for e in several for g in planned(one.effect, f.quiet, one.place, t[first:], e, h)]
     return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
 
 

@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from stickslip.gap.effects.disturbance import Disturbance
 from stickslip.gap.floors.floor import scored, without_gap
 from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.left import GAINED, SIGMAS, known, level
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.sizes import response
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
-SIGMAS, ALLOWED = 4.5, 12.0  # by which a score may exceed its mean without a gap; and nats
 NULLS = 4  # runs without a gap
 ROUNDS = 3  # of the spectrum and of what loads before the first row have left
 TAILS, DISTINCT, MOST = 40, 1e-5, 6  # rows after a load of which the rest is looked at, and how many shapes that has
@@ -96,10 +96,9 @@ def unmeasured_load(null: Fit) -> UnmeasuredLoad | None:
     F, left, sd, period = _suited(e, h)
     signal = str(f.quiet[place].output_labels[0])
     unit = f.quiet.signal_units.get(signal, "")
-    n = float(np.isfinite(e).mean()) * len(e)
-    level, whole = f.floor.mean * n, float(scored(e))
-    limit = level + SIGMAS * f.floor.sd * math.sqrt(n) + ALLOWED
-    part = float(np.clip((whole - left) / max(whole - level, 1e-9), 0.0, 1.0))
+    usual, whole = level(null.best), float(scored(e))
+    limit = usual + SIGMAS * f.floor.sd * math.sqrt(known(null.best)) + GAINED
+    part = float(np.clip((whole - left) / max(whole - usual, 1e-9), 0.0, 1.0))
     gained = whole - F - _without_gap(null, h)
     return UnmeasuredLoad(place, unit, sd, period * f.record.log.dt, gained, left, limit, part)
 
@@ -108,7 +107,7 @@ def said_of_rival(rival: UnmeasuredLoad, gained: float | None = None) -> str:
     """Return in words how a load that nobody measures does; ``gained`` nats by what is named, None if nothing is."""
     if gained is not None:
         more = gained - rival.gained
-        if rival.explains and more <= ALLOWED:
+        if rival.explains and more <= GAINED:
             return (
                 f"A disturbance alone may explain it: {rival}, leaves nothing; its log likelihood is {more:.0f} lower."
             )

@@ -76,9 +76,3 @@ def held(diagram: Diagram, record: Record) -> Diagram:
 def _missing(record: Record) -> NDArray[np.bool_]:
     """Return the rows at which a signal is missing: one that is misleads all others, (rows,)."""
     return np.asarray(~np.all([record.log.good(s) for s in record.pinned], axis=0))
-
-
-def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:
-    """Return those of the start values that blocks of the diagram have."""
-    names = {block.name: {*block.state_names, *block.memory_names} for block in diagram.blocks}
-    return {k: v for k, v in start.items() if k.rpartition(".")[2] in names.get(k.rpartition(".")[0], ())}
