@@ -1,20 +1,22 @@
 """A calibration: what came out of runs of the user's own model with known effects, as far as they have been made.
 
-Each run is a line of a file beside the floor of the model; ``diagnose`` states probabilities by what has been counted
-so far.  ``stickslip.gap.calibrating.calibrate`` makes the runs.
+Each run is a line of a file of the model; ``diagnose`` states probabilities by what has been counted so far.
+``stickslip.gap.calibrating.calibrate`` makes the runs.
 """
 
+import hashlib
 import json
 import math
+import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.answers.sureness import Sureness, counted
-from stickslip.gap.floors.cache import digest, folder
 from stickslip.gap.records.record import Record
 
 
@@ -79,9 +81,20 @@ def kept_calibration(model: Diagram, record: Record) -> Calibration:
     return Calibration(tuple(rows_of(file_of(model, record)).values()))
 
 
+def folder() -> Path:
+    """Return the folder of calibrations: ``gap`` in STICKSLIP_CACHE, by default ``~/.cache/stickslip``."""
+    named = os.environ.get("STICKSLIP_CACHE")
+    return (Path(named) if named else Path.home() / ".cache" / "stickslip") / "gap"
+
+
 def file_of(model: Diagram, record: Record) -> Path:
-    """Return the file of the runs of a model with such records."""
-    return folder() / f"{digest(model, record)}.runs.jsonl"
+    """Return the file of the runs of a model (wiring, parameters) with such records (signals, interval, rounding)."""
+    key: list[object] = [record.pinned, record.played, round(record.log.dt, 9)]
+    key.append({s: float(f"{step:.3g}") for s, step in record.steps.items()})
+    for block in model.blocks:
+        labels = list(block.input_labels), list(block.output_labels)
+        key.append((type(block).__name__, block.name, labels, np.asarray(block.p).round(12).tolist()))
+    return folder() / f"{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}.runs.jsonl"
 
 
 def rows_of(file: Path) -> dict[str, Any]:

@@ -254,14 +254,20 @@ def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
     return A, np.linalg.cholesky((S + 1e-12 * np.eye(m)) * plain[:, None] * plain)
 
 
-def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
-    """Return the noise floor of a model for records like this one, and the logs of the runs that gave it."""
+def usual_runs(model: Diagram, record: Record, runs: int, seed: int) -> list[Log]:
+    """Return logs without a gap (``without_gap``). Raises ``GapError`` if no run comes to its end."""
     logs = without_gap(model, record, runs, seed)
     if not logs:
         raise GapError(
             f"none of {runs} runs of the model over the times of the log came to its end, so nothing says what is "
             "usual; simulate the model alone with the log's inputs, and mend what stops it"
         )
+    return logs
+
+
+def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
+    """Return the noise floor of a model for records like this one, and the logs of the runs that gave it."""
+    logs = usual_runs(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
     # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their
     # level says nothing, however well the model keeps it.

@@ -101,22 +101,23 @@ def share(fit: Fit, null: Fit) -> float:
 def left(found: Innovations) -> float:
     """Return the loss of what is left, with what modes set right cost [nats].
 
-    It is in the unit of the noise that was fitted only where what is left is white, as more noise is.
+    It is in the unit of the stated noise, as the losses of runs are; in that of noise that was fitted larger only where
+    what is left is white, as more noise is.
     """
     return float(losses(found.e * _unproven(found)).sum()) + found.charge
 
 
 def _unproven(found: Innovations) -> Floats:
-    """Return by how much the noise of each signal is fitted larger than stated without being white, else 1."""
+    """Return the noise of each signal as it was fitted over what is stated; 1 where it is proven to be larger."""
     f = found.hypothesis.frame
     assert isinstance(f, Replays)
-    larger = np.ones(len(f.signals))
+    factor = np.ones(len(f.signals))
     stated = np.diag(f.floor.L)[[f.record.pinned.index(s) for s in f.signals]]
     for j, s in enumerate(f.signals):
         by = math.sqrt(float(np.nanmax(found.S[:, j], initial=0.0))) / stated[j]
-        if by > LARGER and max(abs(x) for name, x in checks(found).items() if s in name.split()) > WHITE:
-            larger[j] = by
-    return larger
+        if by <= LARGER or max(abs(x) for name, x in checks(found).items() if s in name.split()) > WHITE:
+            factor[j] = by
+    return factor
 
 
 def known(found: Innovations) -> float:

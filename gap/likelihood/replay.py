@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close, source_name
-from stickslip.gap.floors.cache import keep, kept
 from stickslip.gap.floors.floor import Floor, measured
 from stickslip.gap.floors.modes import CHARGE, branches_of
 from stickslip.gap.insertion.paths import noise_of
@@ -129,14 +128,11 @@ def replays_of(model: Diagram, record: Record, seed: int = 0) -> Replays:
     record = record if filtered is None else filtered
     start = start_values(quiet, record) if filtered is None else {}
     model, quiet = model.starting_at(start), quiet.starting_at(start)
-    floor = None
     if filtered is not None:
         record, floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
         record = suspected(quiet, record, floor, usual)
-    floor = floor or kept(model, record)
-    if floor is None:
+    else:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-        keep(model, record, floor)
     left = len(record.log) - floor.skipped
     if left < FEWEST:
         raise GapError(

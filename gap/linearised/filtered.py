@@ -22,7 +22,6 @@ from stickslip.diagram.changes import part
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.linear.slopes import Slopes
 from stickslip.diagram.pins import replays
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.linearised.behind import NOTHING, Behind, behind
 from stickslip.gap.linearised.between import jumps
 from stickslip.gap.linearised.driving import as_inputs, driven
@@ -41,7 +40,6 @@ UNSURE_AT_FIRST = 0.15  # share of its first move by which it may be off that cu
 BENT = 15  # rows behind a jump for which an output is bent
 LOST = 1e4  # innovation of a row that a process which has run away cannot foretell
 KEPT = 400  # results that are remembered
-OWN, SEED = 12, 700  # runs with a record's own set points, and the seed of the first
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,12 +157,6 @@ class Filter:
             lambda: observer(part(diagram, found.rest, "rest"), found.given, found.measured, times),
         )  # fmt: skip
         return made
-
-    def own_runs(self, model: Diagram, record: Record) -> list[Log]:
-        """Return logs of the model with its nuisances, driven by a record's own set points."""
-        key = "runs", id(record.log), _leads(record)
-        found: list[Log] = self._kept(key, (record.log, model), lambda: without_gap(model, record, OWN, SEED))
-        return found
 
     def gains(self, record: Record) -> Gains:
         """Return the gains of each row of a record, and of other logs with its set points."""

@@ -1,7 +1,6 @@
 """What a filter's residuals are without a gap, and which segments of a record leave that.
 
-Forty runs of the model tell scales and colours, and how far a score goes from run to run; they are kept for records of
-the same model, signals, interval and rounding.  A dozen runs with the record's own set points say where its score lies.
+Runs of the model with the record's own set points tell scales and colours, and how far a score goes from run to run.
 
 A segment is a controller with what is before it, back to logged signals; the process with its valves is another.
 """
@@ -11,16 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.cache import keep, kept
 from stickslip.gap.floors.floor import (
     Floor,
     floor_of,
     losses,
     residuals,
-    scored,
     settling_rows,
     undisturbed,
-    without_gap,
+    usual_runs,
 )
 from stickslip.gap.linearised.filtered import Filter
 from stickslip.gap.linearised.instants import with_switches
@@ -47,19 +44,14 @@ class Usual:
 def floor_of_record(
     model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int
 ) -> tuple[Record, Floor, Usual]:
-    """Return a record with what its filter expects, and its noise floor. The floor is made from ``runs`` runs of the
-    model from ``seed`` on, unless another record has made it.
+    """Return a record with what its filter expects, and its noise floor: that of ``runs`` runs of the model from
+    ``seed`` on, driven as the record's system was.  Raises ``GapError`` if no run comes to its end.
     """
-    record = with_switches(quiet, record, _filter(record))
-    record = _expecting(quiet, record)
+    record = _expecting(quiet, with_switches(quiet, record, _filter(record)))
     filter = _filter(record)
-    shape = kept(model, record)
-    if shape is None:
-        found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
-        shape = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
-        keep(model, record, shape)
-    found = filter.residuals(quiet, record, None, filter.own_runs(model, record))
-    return record, _placed(shape, found), _usual(shape, found)
+    found = filter.residuals(quiet, record, None, usual_runs(model, record, runs, seed))
+    floor = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
+    return record, floor, _usual(floor, found)
 
 
 def _expecting(quiet: Diagram, record: Record) -> Record:
@@ -84,22 +76,6 @@ def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
         floor = floor_of(np.clip(others, -bound, bound), settling, judged, True)
         scores.append(floor.score(found[folds == fold]))
     return replace(floor, scores=np.sort(np.concatenate(scores)))
-
-
-def _placed(shape: Floor, found: Floats) -> Floor:
-    """Return a floor whose scores have the mean of a record's own runs, and the spread of the floor's.
-
-    ``found`` residuals of these runs, (runs, rows, signals).  The spread is wider by what so few do not tell of a mean,
-    and theirs where that is larger: where outputs come to their limits, a few rows make most of a score.
-    """
-    e = shape.innovations(found)
-    rows, own = e.shape[1], scored(e) / np.isfinite(e).mean(axis=(1, 2))
-    own = own[np.isfinite(own)]
-    if len(own) < 2:
-        return shape
-    away = (shape.scores - shape.scores.mean()) * np.sqrt(rows / shape.rows)
-    wide = np.sqrt(1.0 + 1.0 / len(own)) * max(1.0, float(own.std(ddof=1) / away.std(ddof=1)))
-    return replace(shape, scores=own.mean() + wide * away, rows=rows)
 
 
 def _usual(shape: Floor, found: Floats) -> Usual:

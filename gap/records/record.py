@@ -107,9 +107,6 @@ class Residuals(Protocol):
     ) -> Floats:
         """Return (runs, rows, pinned signals)."""
 
-    def own_runs(self, model: Diagram, record: "Record") -> list[Log]:
-        """Return logs of the model with its nuisances, driven by a record's own set points."""
-
     def holding(self, diagram: Diagram, record: "Record") -> "Residuals":
         """Return what takes what all diagrams do between rows from one run of a diagram."""
 

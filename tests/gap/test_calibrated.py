@@ -7,9 +7,8 @@ from stickslip.cases.models import ideal_flow
 from stickslip.gap import calibrated, diagnose
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.sureness import Sureness, counted
-from stickslip.gap.calibrating.calibration import Calibration
+from stickslip.gap.calibrating.calibration import Calibration, folder
 from stickslip.gap.effects import effect
-from stickslip.gap.floors.cache import folder
 
 FEW = [effect(name) for name in ("process_gain", "valve_gain", "sensor_bias")]
 
