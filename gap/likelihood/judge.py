@@ -6,8 +6,10 @@
 
 A noise or a load that stands at its bound is a figure too: by how much the record rejects a size half way there.
 
-One question for the model alone ("is there a gap?") and for the effect that is named ("is it enough?").
-Source of the law of largest values, and of the least b: Gumbel, Statistics of Extremes (1958), sections 5.2 and 4.2.
+One question for the model alone ("is there a gap?") and for the effect that is named ("is it enough?").  Runs are asked
+until they decide.
+Source of the law of largest values, and of the least b: Gumbel, Statistics of Extremes (1958), sections 5.2 and 4.2; of
+runs that end once they decide: Besag and Clifford, Biometrika 78 (1991).
 """
 
 import math
@@ -33,6 +35,8 @@ from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
+BATCH = 6  # runs after which a figure is looked at
+ORDINARY, BEYOND_DOUBT = 0.25, 3.0  # chance of a figure from which on, and times the limit, no further run is asked
 GUESSES = 4  # at what the log does not tell of inputs, among these runs
 JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
 FARTHEST = 700.0  # of a deviate: the exponential of more overflows
@@ -55,23 +59,32 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
     name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
-    usual = []
+    least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
     runs = RUNS_OF_BANK if one.hides else RUNS
-    for log in _runs(fit, runs, seed + 1):
+    usual: list[float] = []
+    found = Verdict(size, name, 1.0, math.inf)
+    for k, log in enumerate(_runs(fit, runs, seed + 1), start=1):
         left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
         if left is not None:
             usual.append(largest(replace(fit, best=left), directions)[1])
-    if len(usual) < runs // 2:
+        if k % BATCH == 0 and 2 * len(usual) >= k:
+            found = _beside(usual, size, name, least)
+            if found.p > ORDINARY or (found.unusual and _beside(usual, size / BEYOND_DOUBT, name, least).unusual):
+                break
+    if 2 * len(usual) < k:
         return Verdict(size, name, 1.0, math.inf)
-    low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
-    least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
-    b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
-    a = float(middle) - _gumbel(QUARTILES[1]) * b
-    found = Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
     if found.unusual:
         return found
     at, beyond = _beyond(fit)
     return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
+
+
+def _beside(usual: Sequence[float], size: float, name: str, least: float) -> Verdict:
+    """Return how unusual a figure is beside the ``usual`` ones of runs, whose spread is at ``least`` so large."""
+    low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
+    b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
+    a = float(middle) - _gumbel(QUARTILES[1]) * b
+    return Verdict(size, name, chance((size - a) / b), a + b * _gumbel(1.0 - ALARM))
 
 
 def _beyond(fit: Fit) -> tuple[str, float]:
@@ -106,7 +119,7 @@ def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:
         return without_gap(model, f.record, runs, seed)
     guesses = played(f.record, f.doubts, *f.stops, range(seed, seed + GUESSES))
     each = [without_gap(model, f.record, runs // GUESSES, seed + k * runs, own) for k, own in enumerate(guesses)]
-    return [log for logs in each for log in logs]
+    return [log for logs in zip(*each, strict=False) for log in logs]
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:

@@ -76,18 +76,21 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
 
 def _named(o: Outcome) -> GapReport:
     best = o.named[0]
-    shown = _sizes(best)
-    effect, _ = _whose(best)
-    creeping = isinstance(best.hypothesis.frame, Replays) and o.best is not None and o.best.unusual
-    creeping = creeping and creeps(effect, shown)
-    found = [named_cause([_whose(fit) for fit in o.named], least_sizes(effect, shown) if creeping else shown)]
+    whose = [([_whose(fit) for fit in o.named], _sizes(best))]
     if o.firsts:
         part = best.hypothesis.frame.given.part
         sizes = _sizes(o.firsts[0]) if part is None else part.sizes(best.best.values, best.sd)
-        found.insert(0, named_cause([_whose(fit) for fit in o.firsts], sizes))
+        whose.insert(0, ([_whose(fit) for fit in o.firsts], sizes))
+    odd = isinstance(best.hypothesis.frame, Replays) and o.best is not None and o.best.unusual
+    creeping = [odd and creeps(same[0][0], shown) for same, shown in whose]
+    found = [
+        named_cause(same, least_sizes(same[0][0], shown) if creep else shown)
+        for (same, shown), creep in zip(whose, creeping, strict=True)
+    ]
     places = tuple(dict.fromkeys(fit.hypothesis.place for fit in (*o.firsts, *o.named)))
     words = said_of(found, places)
-    words += about_creep(effect, found[0].sizes, True) if creeping else []
+    for one, (same, _), creep in zip(found, whose, creeping, strict=True):
+        words += about_creep(same[0][0], one.sizes, creep)
     if any(one.others for one in found):
         further = next_test(best.hypothesis.frame, o.named)
         words.append(f"{further[0].upper()}{further[1:]}.")

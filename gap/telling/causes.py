@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from stickslip.gap.answers.report import Cause, Size, listed
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.telling.creep import about_creep
 
 
 class NamedCause(NamedTuple):
@@ -38,7 +37,6 @@ def said_of(causes: Sequence[NamedCause], places: Sequence[str]) -> list[str]:
         words = [f"There is a gap. Place: {listed(places)}. Cause: {causes[0]}."]
     else:
         words = [f"There is a gap with two causes: {'; and '.join(map(str, causes))}."]
-    words += [line for one in causes for line in about_creep(one.effect, one.sizes)]
     words += [
         f"From these signals {one.effect.name} cannot be told apart from {listed(one.others)}."
         for one in causes if one.others

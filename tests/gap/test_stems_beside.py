@@ -8,46 +8,51 @@ from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
 
-MISSED = pytest.mark.xfail(
-    strict=True, reason="sizes of a stem and of another effect are searched in turn, not at once"
-)
+KNOWN = ("stiction", "deadband", "sensor_noise", "process_gain")
 
 
 def named(effects, seed, catalogue, share=0.5):
-    """Return the causes of the first ``share`` of a typical tuning record of another program, by name."""
+    """Return the causes of the first ``share`` of a typical record of another program, by name, and its notes."""
     made = record("ideal", effects, "typical", seed)
     rows = slice(round(share * len(made.signals["time"])))
     log = Log(made.signals["time"][rows], {s: made.signals[s][rows] for s in ("SP", "PV", "OP")})
     known = [effect(name) for name in catalogue]
     report = diagnose(ideal_flow(), log, catalogue=known, limits=False, progress=False)
-    return {cause.effect: cause for cause in report.causes}, made
+    return {cause.effect: cause for cause in report.causes}, made, report.notes
 
 
-@pytest.mark.parametrize(
-    ("stem", "seed", "share"), [pytest.param("stiction", 9100, 0.5, marks=MISSED), ("deadband", 9101, 1.0)]
-)
-def test_more_noise_is_seen_beside_a_stem_that_is_good_enough_alone(stem, seed, share):
-    # the stem of seed 9100 creeps (LuGre's law): alone, and with more noise, it leaves what no play would
-    known = ("stiction", "deadband", "sensor_noise", "process_gain")
-    causes, made = named((stem, "sensor_noise"), seed, known, share)
-    assert set(causes) == {stem, "sensor_noise"}
+def test_more_noise_is_named_beside_a_play_that_is_good_enough_alone():
+    causes, made, _ = named(("deadband", "sensor_noise"), 9101, KNOWN, 1.0)
+    assert set(causes) == {"deadband", "sensor_noise"}
     true = made.effects["sensor_noise"]["factor"]
     assert causes["sensor_noise"].parameters["factor"].value == pytest.approx(true, rel=0.05)
 
 
-@MISSED
+def test_noise_of_nearly_twice_the_stated_one_is_a_note_beside_a_stem_that_creeps():
+    # the stem creeps (LuGre's law): alone it leaves what no play would
+    causes, made, notes = named(("stiction", "sensor_noise"), 9100, KNOWN)
+    assert set(causes) == {"stiction"}
+    assert causes["stiction"].parameters["S"].low <= made.effects["stiction"]["S"]
+    said = next(note for note in notes if note.startswith("noise.sd is stated as"))
+    assert float(said.split()[-1].rstrip(".")) == pytest.approx(
+        0.004 * made.effects["sensor_noise"]["factor"], rel=0.06
+    )
+
+
 def test_a_stem_that_creeps_beside_another_effect_is_no_play():
-    causes, made = named(("stiction", "controller_gain"), 9100, ("stiction", "deadband", "controller_gain"))
+    causes, made, _ = named(("stiction", "controller_gain"), 9100, ("stiction", "deadband", "controller_gain"))
     assert set(causes) == {"stiction", "controller_gain"}
     S, J = (made.effects["stiction"][key] for key in ("S", "J"))
     sizes = causes["stiction"].parameters
     assert sizes["S"].low <= S <= sizes["S"].high and sizes["J"].low <= J <= sizes["J"].high
 
 
-@MISSED
+@pytest.mark.xfail(
+    strict=True, raises=AssertionError, reason="sizes of a stem and of another effect are searched in turn, not at once"
+)
 def test_a_stem_whose_sizes_alone_make_up_for_a_gain_is_named_with_it():
     # alone the stem comes out at S = 13 % of 3.3 %, beside which no gain gains anything
-    causes, made = named(("stiction", "valve_gain"), 9605, ("stiction", "deadband", "valve_gain", "sensor_bias"))
+    causes, made, _ = named(("stiction", "valve_gain"), 9605, ("stiction", "deadband", "valve_gain", "sensor_bias"))
     assert set(causes) == {"stiction", "valve_gain"}
     assert causes["valve_gain"].parameters["factor"].value == pytest.approx(
         made.effects["valve_gain"]["factor"], rel=0.01
