@@ -4,6 +4,7 @@ Every switch is tried at the same few instants of its interval, one run for each
 in the rows behind.  Of a controller that scans only its scans count.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -20,7 +21,8 @@ Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
 TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
 LATE = 1e-6  # share of an interval by which a switch stays behind the row before
-SHOWN = 15.0  # nats by which rows behind a switch at a wrong instant are less likely than others
+SHOWN = 15.0  # nats by which rows behind switches at wrong instants are less likely than those before
+CLEARLY = 2.0  # standard deviations of that sum: what else is wrong shows behind some switches and before others
 GAIN = 1.0  # nats that other instants must gain
 
 
@@ -42,14 +44,15 @@ def with_switches(now: Innovations) -> Innovations:
 
 
 def _shows(now: Innovations, switching: Sequence[str]) -> bool:
-    """Return whether rows behind a switch are less likely than others, as those of one at a wrong instant are."""
+    """Return whether rows behind switches are less likely than those before, as those of wrong instants are."""
     frame = now.hypothesis.frame
     if not frame.replays:
         return True
     lost = np.nan_to_num(now.losses)
-    usual = float(np.median(lost[frame.counted])) if frame.counted.any() else 0.0
-    rows = (k for s in switching for k in switch_rows(frame.record.log, s).tolist() if k >= frame.skipped)
-    return any(float(np.sum(lost[k : k + BEHIND] - usual)) > SHOWN for k in rows)
+    rows = [k for s in switching for k in switch_rows(frame.record.log, s).tolist() if k >= max(frame.skipped, BEHIND)]
+    more = np.array([np.sum(lost[k : k + BEHIND]) - np.sum(lost[k - BEHIND : k]) for k in rows])
+    chance = CLEARLY * float(np.std(more)) * math.sqrt(len(more)) if len(more) > 1 else 0.0
+    return float(np.sum(more)) > max(SHOWN, chance)
 
 
 def with_ramps(now: Innovations) -> Innovations:
