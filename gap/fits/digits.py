@@ -17,6 +17,7 @@ TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
 RUNS = 6  # of the model, which tell how many straight triples are usual
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own log has
+ROUNDED = 0.4  # share from which on rounding draws the lines, and a historian is not told by them
 NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
 
@@ -66,7 +67,8 @@ def straightened(held: Held, seed: int) -> str:
         if signal in held.ops or sloping(values, step) < STRAIGHT:
             continue
         plain = without_gap(held.model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
-        if plain and sloping(values, step) >= max(sloping(log[signal], step) for log in plain) + STRAIGHT:
+        usual = max((sloping(log[signal], step) for log in plain), default=1.0)
+        if usual < ROUNDED and sloping(values, step) >= usual + STRAIGHT:
             return signal
     return ""
 
