@@ -26,6 +26,7 @@ CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SWITCHED = 8  # limits of a controller that are looked at with switches of their own
 SPRINT = 3  # rounds of a fit there
+FIRST_SHARE, SHARE = 0.03, 0.15  # of the best gain, from which on first sizes and later ones go on
 WIDER, NARROWER = 1.3, 1.03  # factors by which a size is changed there, first and last
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
@@ -69,10 +70,13 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     alone = refined(with_switches(start), tuple(short.free), SPRINT)
     still = tried(Hypothesis(replace(short, apart=True)), short.stated)
     whole = null.hypothesis.frame  # a limit is met behind a switch
-    return _each(
-        hypotheses,
-        lambda one: _at_limits(null, one.of(whole)) if one.bends else _raced(alone, still, rough, one),
-        progress,
+    racing = [one for one in hypotheses if _races(one)]
+    others = [one for one in hypotheses if not _races(one)]
+    run = dict(_fitted(short, still, rough, racing, progress))
+    found = _each(racing, lambda one: _as_candidate(alone, still, rough, one, run.get(one)), None)
+    return _ranked(
+        found
+        + _each(others, lambda one: _at_limits(null, one.of(whole)) if one.bends else _tried(rough, one), progress)
     )
 
 
@@ -86,6 +90,10 @@ def _each(
             if best is not None:
                 found.append(best)
             tell(k + 1, len(hypotheses))
+    return _ranked(found)
+
+
+def _ranked(found: Iterable[Candidate]) -> list[Candidate]:
     return sorted(found, key=lambda c: -c.gain)
 
 
@@ -133,41 +141,78 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     return Candidate(one, best.values, null.nll - best.nll, None if scored is None else scored[1])
 
 
-def _raced(alone: Fit, still: Innovations | None, rough: Fit, one: Hypothesis) -> Candidate | None:
-    """Return sizes fitted to the rows of ``alone``, the model without an effect; ``still`` as it is stated, ``rough``
-    in all rows.
+def _tried(rough: Fit, one: Hypothesis) -> Candidate | None:
+    """Return the likeliest first size of what shows in no first rows alone, in all rows."""
+    best = _likeliest(tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one))
+    return None if best is None else _directed(rough, one, best, rough.nll - best.nll)
+
+
+def _as_candidate(
+    alone: Fit, still: Innovations | None, rough: Fit, one: Hypothesis, best: Innovations | None
+) -> Candidate | None:
+    """Return the candidate of a race: it gains as much in all rows as in its own, where ``alone`` is the model fitted,
+    and ``still`` that as it is stated.
     """
-    if _races(one):
-        short = alone.hypothesis.frame
-        best = _on_first_rows(short, still, rough, one)
-        share = len(short.record.log) / len(rough.hypothesis.frame.record.log)
-        gain = 0.0 if best is None else (alone.nll - best.nll) / share  # as much in all rows
-    else:
-        best = _likeliest(tried(one, {**rough.best.values, **size}, rough.best) for size in sizes(rough, one))
-        gain = 0.0 if best is None else rough.nll - best.nll
     if best is None:
         return None
+    share = len(alone.hypothesis.frame.record.log) / len(rough.hypothesis.frame.record.log)
+    model = still if still is not None and best.hypothesis.frame.apart else alone
+    return _directed(rough, one, best, (model.nll - best.nll) / share)
+
+
+def _directed(rough: Fit, one: Hypothesis, best: Innovations, gain: float) -> Candidate:
+    """Return the candidate of a size that promises a gain, with what it changes in all rows."""
     own = {name: best.values[name] for name in one.own}
     near = tried(one, {**rough.best.values, **own}, rough.best)  # its gains fit its own noise only
     scored = None if near is None else score(rough, near)
     return Candidate(one, {**one.frame.stated, **own}, gain, None if scored is None else scored[1])
 
 
-def _on_first_rows(short: Frame, still: Innovations | None, rough: Fit, one: Hypothesis) -> Innovations | None:
-    """Return what the likeliest sizes leave of first rows: without those behind switches, then in all of them; None
-    where no first size is likelier than ``still``, the model as it is stated.
+def _fitted(
+    short: Frame, still: Innovations | None, rough: Fit, racing: Sequence[Hypothesis], progress: Progress
+) -> list[tuple[Hypothesis, Innovations]]:
+    """Return what each effect leaves of first rows: first sizes without rows behind switches, sizes on the way from
+    there, then a fit in all of these rows.
+
+    Without are those of which no first size is likelier than ``still``, the model as it is stated.  After each step
+    only those go on that gain a share of what the best does.
     """
-    part = one.of(replace(short, apart=True))
-    best = still
-    for size in sizes(rough, one):
-        ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
-        best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
-    if best is None or best is still:
-        return None
-    for name in free_names(part):
-        best = _further(best, name) if name in part.own else best
-    whole = tried(one.of(short), best.values)
-    return best if whole is None else refined(with_switches(whole), free_names(one), SPRINT).best
+    found: list[tuple[Hypothesis, Innovations]] = []
+    with reporting(progress, len(racing), "effects") as tell:
+        for k, one in enumerate(racing):
+            part = one.of(replace(short, apart=True))
+            best = still
+            for size in sizes(rough, one):
+                ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
+                best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
+            if best is not None and best is not still:
+                found.append((one, best))
+            tell(k + 1, len(racing))
+    found = _where_gained(found, still, FIRST_SHARE, _all_further)
+    return _where_gained(found, still, SHARE, lambda best: _sprinted(best, short))
+
+
+def _where_gained(
+    found: list[tuple[Hypothesis, Innovations]], still: Innovations | None, share: float,
+    on: Callable[[Innovations], Innovations],
+) -> list[tuple[Hypothesis, Innovations]]:  # fmt: skip
+    """Return what is left once effects have gone on that gain a share of the best gain; others stay where they are."""
+    if still is None:
+        return [(one, on(best)) for one, best in found]
+    least = share * max((still.nll - best.nll for _, best in found), default=0.0)
+    return [(one, on(best) if still.nll - best.nll >= least else best) for one, best in found]
+
+
+def _all_further(best: Innovations) -> Innovations:
+    for name in free_names(best.hypothesis):
+        best = _further(best, name) if name in best.hypothesis.own else best
+    return best
+
+
+def _sprinted(best: Innovations, short: Frame) -> Innovations:
+    """Return a fit in all first rows, with switches of its own."""
+    whole = tried(best.hypothesis.of(short), best.values)
+    return best if whole is None else refined(with_switches(whole), free_names(best.hypothesis), SPRINT).best
 
 
 def _further(best: Innovations, name: str) -> Innovations:
