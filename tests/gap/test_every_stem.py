@@ -41,7 +41,8 @@ OUTSIDE = {
 
 
 def told(stem, noise=0.0):
-    return diagnose(loop(IdealValve(), noise=noise), log_of(*stem, noise=noise), catalogue=ONES, limits=False)
+    log = log_of(*stem, noise=noise, duration=2400.0)
+    return diagnose(loop(IdealValve(), noise=noise), log, catalogue=ONES, limits=False)
 
 
 @pytest.mark.xfail(

@@ -134,7 +134,7 @@ def test_a_second_effect_that_is_enough_alone_is_named_alone() -> None:
     key = "pipeline_pack/effect/valve_rate_limit/737572093"
     model, log, truth = modelled(next(run for run in trial.runs() if run.key.endswith(key)))
     opened, record = read(model, log)
-    held = frame_of(opened, record.first_part(0.75))
+    held = frame_of(opened, record.first_part(0.5))
     assert held is not None
     found = outcome(held, [effect("second_lag"), effect("valve_rate_limit")])
     assert not found.firsts

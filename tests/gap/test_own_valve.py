@@ -31,8 +31,8 @@ def loop(*valve, noise=0.0):
     )
 
 
-def log_of(*valve, noise=0.0, signals=()):
-    run = simulate(loop(*valve, noise=noise), 3600.0, every=1.0)
+def log_of(*valve, noise=0.0, signals=(), duration=3600.0):
+    run = simulate(loop(*valve, noise=noise), duration, every=1.0)
     return Log(run.log.t, {s: np.asarray(run.log[s]) for s in ("SP", "OP", "PV", *signals)})
 
 

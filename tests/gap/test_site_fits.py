@@ -122,7 +122,7 @@ def test_a_calibration_counts_answers_of_the_filter_and_a_diagnosis_states_them(
 
 def test_a_slow_stem_under_a_noisy_output_is_named_in_a_cascade():
     # its likelihood is a peak between two sizes of the grid, and its filter knows it by mean and variance only
-    made = record("cascade", ["valve_rate_limit"], seed=7701, hours=2.0)
+    made = record("cascade", ["valve_rate_limit"], seed=7701, hours=0.75)
     log = Log(made.signals["time"], {s: v for s, v in made.signals.items() if s not in ("time", "MV")})
     report = diagnose(level_cascade(), log, catalogue=known("valve_rate_limit", "positioner_lag", "sensor_noise"))
     assert named(report) == ["valve_rate_limit"]

@@ -39,9 +39,9 @@ def test_an_effect_is_named():
 BETWEEN = 237.3  # [s]: every level of the set point begins between two rows
 
 
-def switched(model, digits=6):
+def switched(model, digits=6, duration=3600.0):
     """A log of a loop whose set point switches between rows."""
-    log = simulate(model, 3600.0, every=1.0, inputs={"SP": Staircase("SP", LEVELS * 6, dwell=BETWEEN)}).log
+    log = simulate(model, duration, every=1.0, inputs={"SP": Staircase("SP", LEVELS * 6, dwell=BETWEEN)}).log
     return Log(log.t, {s: log[s].round(digits) for s in ("SP", "PV", "OP")})
 
 
@@ -68,7 +68,8 @@ def test_a_coarse_log_of_such_set_points_leaves_no_gap():
      ("stiction", "valve", {"S": 4.0, "J": 1.5})],
 )  # fmt: skip
 def test_an_effect_beside_instants_between_rows_is_named(name, place, values):
-    report = diagnose(ideal_flow(), switched(effect(name).insert(ideal_flow(rest=1.2), place, **values)), limits=False)
+    log = switched(effect(name).insert(ideal_flow(rest=1.2), place, **values), duration=1800.0)
+    report = diagnose(ideal_flow(), log, limits=False)
     assert [(cause.effect, cause.place) for cause in report.causes] == [(name, place)], report
     for key, size in values.items():
         assert report.causes[0].parameters[key].value == pytest.approx(size, rel=0.05)
