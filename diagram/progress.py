@@ -3,22 +3,31 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
 Progress = bool | Callable[[int, int], None] | None
 
 
+class Tell(Protocol):
+    """Says that ``done`` of ``total`` are done, and what is worked at ``now``."""
+
+    def __call__(self, done: int, total: int, now: str = "") -> None:
+        """Say so."""
+
+
 @contextmanager
-def reporting(progress: Progress, total: int, what: str) -> Iterator[Callable[[int, int], None]]:
+def reporting(progress: Progress, total: int, what: str) -> Iterator[Tell]:
     """Yield what is to be called with (done, total): the caller's function, a bar on standard error, or nothing.
 
-    ``progress``: a function, True, False, or None for a bar if standard error is a terminal; ``what`` is counted.
+    ``progress``: a function, True, False, or None for a bar if standard error is a terminal; ``what`` is counted.  The
+    bar also shows what is worked at now.
 
     >>> with reporting(lambda done, total: print(f"{done} of {total}"), 3, "runs") as tell:
     ...     tell(2, 3)
     2 of 3
     """
     if callable(progress):
-        yield progress
+        yield lambda done, total, now="": progress(done, total)
     elif progress or (progress is None and sys.stderr.isatty()):
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -26,10 +35,10 @@ def reporting(progress: Progress, total: int, what: str) -> Iterator[Callable[[i
 
         columns = (
             BarColumn(), MofNCompleteColumn(), TextColumn(f"{what},"), TimeElapsedColumn(), TextColumn("gone,"),
-            TimeRemainingColumn(), TextColumn("to go"),
+            TimeRemainingColumn(), TextColumn("to go {task.description}"),
         )  # fmt: skip
         with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("", total=total)
-            yield lambda done, of: bar.update(task, completed=done, total=of)
+            yield lambda done, total, now="": bar.update(task, completed=done, total=total, description=now)
     else:
-        yield lambda done, _: None
+        yield lambda done, total, now="": None

@@ -86,10 +86,10 @@ def _each(
     found = []
     with reporting(progress, len(hypotheses), "effects") as tell:
         for k, one in enumerate(hypotheses):
+            tell(k, len(hypotheses), str(one))
             best = look(one)
             if best is not None:
                 found.append(best)
-            tell(k + 1, len(hypotheses))
     return _ranked(found)
 
 
@@ -180,6 +180,7 @@ def _fitted(
     found: list[tuple[Hypothesis, Innovations]] = []
     with reporting(progress, len(racing), "effects") as tell:
         for k, one in enumerate(racing):
+            tell(k, len(racing), str(one))
             part = one.of(replace(short, apart=True))
             best = still
             for size in sizes(rough, one):
@@ -187,20 +188,23 @@ def _fitted(
                 best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
             if best is not None and best is not still:
                 found.append((one, best))
-            tell(k + 1, len(racing))
-    found = _where_gained(found, still, FIRST_SHARE, _all_further)
-    return _where_gained(found, still, SHARE, lambda best: _sprinted(best, short))
+    found = _where_gained(found, still, FIRST_SHARE, _all_further, progress)
+    return _where_gained(found, still, SHARE, lambda best: _sprinted(best, short), progress)
 
 
 def _where_gained(
     found: list[tuple[Hypothesis, Innovations]], still: Innovations | None, share: float,
-    on: Callable[[Innovations], Innovations],
+    on: Callable[[Innovations], Innovations], progress: Progress,
 ) -> list[tuple[Hypothesis, Innovations]]:  # fmt: skip
     """Return what is left once effects have gone on that gain a share of the best gain; others stay where they are."""
-    if still is None:
-        return [(one, on(best)) for one, best in found]
-    least = share * max((still.nll - best.nll for _, best in found), default=0.0)
-    return [(one, on(best) if still.nll - best.nll >= least else best) for one, best in found]
+    gains = [math.inf if still is None else still.nll - best.nll for _, best in found]
+    least = share * max((gain for gain in gains if math.isfinite(gain)), default=0.0)
+    ahead = []
+    with reporting(progress, len(found), "effects") as tell:
+        for k, ((one, best), gain) in enumerate(zip(found, gains, strict=True)):
+            tell(k, len(found), str(one))
+            ahead.append((one, on(best) if gain >= least else best))
+    return ahead
 
 
 def _all_further(best: Innovations) -> Innovations:

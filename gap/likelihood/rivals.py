@@ -102,8 +102,7 @@ def likelier(fit: Fit, null: Fit, unsure: float = 0.0) -> str:
     own = price(fit) - unsure
     for rival in (*_same_plans(fit), *_random_alone(fit, null)):
         if price(rival) < own:
-            assert rival.hypothesis.effect is not None
-            return f"{rival.hypothesis.effect.name} at {rival.hypothesis.place}"
+            return str(rival.hypothesis)
     return ""
 
 

@@ -94,10 +94,10 @@ def fitted(
     chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
+            tell(k, len(chosen), str(one.hypothesis))
             fit = _first_fit(null, one, first, raced, within)
             if fit is not None:
                 first.append(fit)
-            tell(k + 1, len(chosen))
     first.sort(key=price)
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]

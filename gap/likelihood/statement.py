@@ -26,6 +26,9 @@ class Statement:
     effect: Effect | None = None
     place: str = ""
 
+    def __str__(self) -> str:
+        return "the model alone" if self.effect is None else f"{self.effect.name} at {self.place}"
+
     @cached_property
     def changed(self) -> Diagram:
         """The model with the blocks of the effect."""

@@ -29,3 +29,11 @@ def test_a_bar_is_drawn_where_it_is_asked_for_or_somebody_looks(monkeypatch, pro
     with reporting(progress, 4, "variants") as tell:
         tell(4, 4)
     assert ("variants" in stream.getvalue()) == drawn
+
+
+def test_a_bar_says_what_is_worked_at_now(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with reporting(True, 4, "effects") as tell:
+        tell(1, 4, "valve_gain at valve")
+    assert "valve_gain at valve" in stream.getvalue()
