@@ -34,12 +34,21 @@ class Where:
 
 @dataclass(frozen=True)
 class Size:
-    """A parameter of an effect: its value with an interval of 90 %, in its unit."""
+    """A parameter of an effect: its value with an interval of 90 %, in its unit.
+
+    >>> print(Size(3.02, 2.9, 3.1, "% OP"), Size(1.2, 1.199999, 1.200001, "-"), sep="; ")
+    3.02 % OP (2.9 to 3.1); 1.2
+    """
 
     value: float
     low: float
     high: float
     unit: str
+
+    def __str__(self) -> str:
+        value, low, high = (f"{one:.4g}" for one in (self.value, self.low, self.high))
+        unit = "" if self.unit == "-" else f" {self.unit}"
+        return f"{value}{unit}" if low == value == high else f"{value}{unit} ({low} to {high})"
 
 
 @dataclass(frozen=True)

@@ -98,12 +98,7 @@ def _named(o: Outcome) -> GapReport:
         words.append("The digits of the log show it, which no other effect leaves.")
     else:
         assert o.best is not None
-        usual = "usual" if o.best.size <= o.best.limit else f"little beside the {o.alone.size:.0f} of the model alone"
-        words.append(
-            f"The log is {o.null.nll - best.nll:.1f} nats likelier with {'both' if o.firsts else 'it'}; what "
-            f"{'they leave' if o.firsts else 'it leaves'} is {usual} "
-            f"({o.best.size:.1f} standard deviations at most, {o.best.name})."
-        )
+        words.append(_how_well(o, best))
     if o.textured:
         sure = Sureness().probability(Evidence("digits", o.null.nll - best.nll))
     else:
@@ -122,6 +117,23 @@ def _named(o: Outcome) -> GapReport:
     return _report(o, words, best, where, causes, _ranking(o, sure), shrunk)
 
 
+def _how_well(o: Outcome, best: Fit) -> str:
+    """Return in words how well the named effects fit the log."""
+    assert o.best is not None
+    them = "both" if o.firsts else "it"
+    if o.best.size <= o.best.limit:
+        fits = f"With {them} the model fits the log as well as it fits its own runs"
+    else:
+        fits = (
+            f"With {them} the model fits the log nearly as well as it fits its own runs; without, its largest figure "
+            f"is {o.alone.size:.0f} standard deviations"
+        )
+    return (
+        f"{fits} (largest figure: {o.best.name}, {o.best.size:.1f} standard deviations; the log is "
+        f"{o.null.nll - best.nll:,.0f} nats likelier)."
+    )
+
+
 def _unknown(o: Outcome) -> GapReport:
     elsewhere = o.stem is not None and not o.stem.follows
     f = o.null.hypothesis.frame
@@ -132,7 +144,7 @@ def _unknown(o: Outcome) -> GapReport:
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
     if best is not None and o.best is not None:
         words.append(
-            f"Nearest is {_name(best)} at {best.hypothesis.place}, with which the log is {o.null.nll - best.nll:.1f} "
+            f"Nearest is {_name(best)} at {best.hypothesis.place}, with which the log is {o.null.nll - best.nll:,.0f} "
             f"nats likelier, but it leaves {o.best.size:.1f} standard deviations in: {o.best.name}."
         )
     words.append(f"What the model alone leaves shows most in: {o.alone.name}, {o.alone.size:.1f} standard deviations.")

@@ -16,8 +16,8 @@ class NamedCause(NamedTuple):
     others: tuple[str, ...]
 
     def __str__(self) -> str:
-        sizes = [f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in self.sizes.items()]
-        return f"{self.effect.name} at {self.place}, {', '.join(sizes)}"
+        sizes = ", ".join(f"{name} {size}" for name, size in self.sizes.items())
+        return f"{self.effect.name} at {self.place}, {sizes}"
 
     def stated(self, probability: float) -> Cause:
         """Return the cause as a report states it."""
