@@ -72,8 +72,8 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     whole = null.hypothesis.frame  # a limit is met behind a switch
     racing = [one for one in hypotheses if _races(one)]
     others = [one for one in hypotheses if not _races(one)]
-    run = dict(_fitted(short, still, rough, racing, progress))
-    found = _each(racing, lambda one: _as_candidate(alone, still, rough, one, run.get(one)), None)
+    raced = dict(_raced(short, still, rough, racing, progress))
+    found = _each(racing, lambda one: _as_candidate(alone, still, rough, one, raced.get(one)), None)
     return _ranked(
         found
         + _each(others, lambda one: _at_limits(null, one.of(whole)) if one.bends else _tried(rough, one), progress)
@@ -90,6 +90,7 @@ def _each(
             best = look(one)
             if best is not None:
                 found.append(best)
+        tell(len(hypotheses), len(hypotheses))
     return _ranked(found)
 
 
@@ -168,7 +169,7 @@ def _directed(rough: Fit, one: Hypothesis, best: Innovations, gain: float) -> Ca
     return Candidate(one, {**one.frame.stated, **own}, gain, None if scored is None else scored[1])
 
 
-def _fitted(
+def _raced(
     short: Frame, still: Innovations | None, rough: Fit, racing: Sequence[Hypothesis], progress: Progress
 ) -> list[tuple[Hypothesis, Innovations]]:
     """Return what each effect leaves of first rows: first sizes without rows behind switches, sizes on the way from
@@ -188,6 +189,7 @@ def _fitted(
                 best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
             if best is not None and best is not still:
                 found.append((one, best))
+        tell(len(racing), len(racing))
     found = _where_gained(found, still, FIRST_SHARE, _all_further, progress)
     return _where_gained(found, still, SHARE, lambda best: _sprinted(best, short), progress)
 
@@ -204,6 +206,7 @@ def _where_gained(
         for k, ((one, best), gain) in enumerate(zip(found, gains, strict=True)):
             tell(k, len(found), str(one))
             ahead.append((one, on(best) if gain >= least else best))
+        tell(len(found), len(found))
     return ahead
 
 

@@ -98,6 +98,7 @@ def fitted(
             fit = _first_fit(null, one, first, raced, within)
             if fit is not None:
                 first.append(fit)
+        tell(len(chosen), len(chosen))
     first.sort(key=price)
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]

@@ -15,6 +15,7 @@ from stickslip.gap.floors.floor import (
     floor_of,
     losses,
     residuals,
+    scored,
     settling_rows,
     undisturbed,
     usual_runs,
@@ -22,6 +23,7 @@ from stickslip.gap.floors.floor import (
 from stickslip.gap.linearised.filtered import Filter
 from stickslip.gap.linearised.instants import with_switches
 from stickslip.gap.linearised.parts import ancestors
+from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
@@ -49,7 +51,7 @@ def floor_of_record(
     """
     record = _expecting(quiet, with_switches(quiet, record, _filter(record)))
     filter = _filter(record)
-    found = filter.residuals(quiet, record, None, usual_runs(model, record, runs, seed))
+    found = offsets(quiet, record, logs=usual_runs(model, record, runs, seed))  # nothing where the log has nothing
     floor = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
     return record, floor, _usual(floor, found)
 
@@ -74,8 +76,10 @@ def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
         bound = FAR * np.nanmedian(np.abs(others), axis=(0, 1))  # rows right behind a jump set no scale
         bound[judged] = np.inf
         floor = floor_of(np.clip(others, -bound, bound), settling, judged, True)
-        scores.append(floor.score(found[folds == fold]))
-    return replace(floor, scores=np.sort(np.concatenate(scores)))
+        e = floor.innovations(found[folds == fold])
+        scores.append(scored(e) / np.isfinite(e).mean(axis=(1, 2)))  # of all rows, logged or not
+    whole = np.concatenate(scores)
+    return replace(floor, scores=np.sort(whole[np.isfinite(whole)]))
 
 
 def _usual(shape: Floor, found: Floats) -> Usual:
