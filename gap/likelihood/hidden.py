@@ -19,6 +19,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.scores import score
 
+FEW = 6  # effects that are asked of a large diagram: each takes about ten seconds there
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
 STEMS = 4  # of a bank, times eight
 WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)  # [%] of plays that are tried
@@ -28,19 +29,27 @@ MOST = 0.8  # of the range of a size, beyond which nothing is said of it
 
 
 def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> list[Seen]:
-    """Return the sizes from which on effects would have shown, of those that have a single size."""
+    """Return the sizes from which on effects would have shown, of those that have a single size.
+
+    Of a large diagram, whose runs take long, only the likeliest few are asked.
+    """
     said = []
-    for one in found:
+    single = [(one, p) for one in found if (p := _only_size(one)) is not None]
+    for one, p in single if null.hypothesis.frame.record.filter is None else single[:FEW]:
         hypothesis = one.hypothesis
         assert hypothesis.effect is not None  # candidates are effects
-        p, *more = (p for p in hypothesis.effect.parameters if not p.nuisance)
-        if more or not p.smooth:
-            continue
         size = _of_play(null, hypothesis, p, needed, seed) if hypothesis.hides else _of(null, one, p, needed, seed)
         if size is not None:
             nominal = hypothesis.nominal[p.name]
             said.append(Seen(hypothesis.effect.name, hypothesis.place, p.name, size, p.unit, nominal))
     return said
+
+
+def _only_size(one: Candidate) -> Parameter | None:
+    """Return the parameter of an effect that has a single size with a slope, else None."""
+    assert one.hypothesis.effect is not None
+    p, *more = (p for p in one.hypothesis.effect.parameters if not p.nuisance)
+    return None if more or not p.smooth else p
 
 
 def least_shown(null: Fit, one: Hypothesis, p: Parameter, needed: float = NEEDED) -> float | None:
