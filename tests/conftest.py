@@ -35,12 +35,11 @@ def pytest_collection_finish(session):
     ]
 
 
-@pytest.fixture(autouse=True, scope="session")
-def shared_cache(tmp_path_factory):
-    """Keep noise floors in one folder of this run for all workers: what one test has measured serves the others."""
-    base = tmp_path_factory.getbasetemp()
+@pytest.fixture(autouse=True, scope="module")
+def own_cache(tmp_path_factory):
+    """Keep calibrations in a folder of each module: what another has counted changes no probability here."""
     patch = pytest.MonkeyPatch()
-    patch.setenv("STICKSLIP_CACHE", str((base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "floors"))
+    patch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("calibrations")))
     yield
     patch.undo()
 

@@ -65,10 +65,6 @@ class Floor:
         """Return e of offsets (..., rows, signals): (..., rows - skipped, signals); NaN where a row says nothing."""
         return whitened(residuals(found, self.changes), self.A, self.L)[..., self.skipped :, :]
 
-    def score(self, found: Floats) -> Floats:
-        """Return F of offsets (..., rows, signals), (...,); infinite where a run failed."""
-        return scored(self.innovations(found))
-
     @property
     def mean(self) -> float:
         """Mean score F without a gap, for each row that is scored."""

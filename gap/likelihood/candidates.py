@@ -72,8 +72,8 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     whole = null.hypothesis.frame  # a limit is met behind a switch
     racing = [one for one in hypotheses if _races(one)]
     others = [one for one in hypotheses if not _races(one)]
-    raced = dict(_raced(short, still, rough, racing, progress))
-    found = _each(racing, lambda one: _as_candidate(alone, still, rough, one, raced.get(one)), None)
+    raced = _raced(short, still, rough, racing, progress)
+    found = [_as_candidate(alone, still, rough, one, best) for one, best in raced]
     return _ranked(
         found
         + _each(others, lambda one: _at_limits(null, one.of(whole)) if one.bends else _tried(rough, one), progress)
@@ -148,14 +148,10 @@ def _tried(rough: Fit, one: Hypothesis) -> Candidate | None:
     return None if best is None else _directed(rough, one, best, rough.nll - best.nll)
 
 
-def _as_candidate(
-    alone: Fit, still: Innovations | None, rough: Fit, one: Hypothesis, best: Innovations | None
-) -> Candidate | None:
+def _as_candidate(alone: Fit, still: Innovations | None, rough: Fit, one: Hypothesis, best: Innovations) -> Candidate:
     """Return the candidate of a race: it gains as much in all rows as in its own, where ``alone`` is the model fitted,
     and ``still`` that as it is stated.
     """
-    if best is None:
-        return None
     share = len(alone.hypothesis.frame.record.log) / len(rough.hypothesis.frame.record.log)
     model = still if still is not None and best.hypothesis.frame.apart else alone
     return _directed(rough, one, best, (model.nll - best.nll) / share)

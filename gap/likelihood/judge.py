@@ -53,8 +53,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     """
     if isinstance(fit.hypothesis.frame, Replays):
         return judged_by_loss(fit, null, seed)
-    away = [(f"a little of {c.hypothesis.effect.name} at {c.hypothesis.place}", c.direction)
-            for c in others if c.hypothesis.effect is not None and c.direction is not None]  # fmt: skip
+    away = [(f"a little of {c.hypothesis}", c.direction) for c in others if c.direction is not None]
     directions = [*_apart(fit, away), *constancy(fit)]
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
@@ -63,16 +62,20 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     runs = RUNS_OF_BANK if one.hides else RUNS
     usual: list[float] = []
     found = Verdict(size, name, 1.0, math.inf)
-    for k, log in enumerate(_runs(fit, runs, seed + 1), start=1):
+    logs = _runs(fit, runs, seed + 1)
+    if len(logs) < runs // 2:  # the others come to no end
+        return found
+    for k, log in enumerate(logs, start=1):
         left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
         if left is not None:
             usual.append(largest(replace(fit, best=left), directions)[1])
-        if k % BATCH == 0 and 2 * len(usual) >= k:
+        if (k % BATCH == 0 or k == len(logs)) and 2 * len(usual) >= k:
             found = _beside(usual, size, name, least)
             if found.p > ORDINARY or (found.unusual and _beside(usual, size / BEYOND_DOUBT, name, least).unusual):
                 break
-    if 2 * len(usual) < k:
-        return Verdict(size, name, 1.0, math.inf)
+    else:
+        if len(usual) < runs // 2:  # the filter follows few of them
+            return Verdict(size, name, 1.0, math.inf)
     if found.unusual:
         return found
     at, beyond = _beyond(fit)

@@ -61,7 +61,7 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
         if o.fits and o.share < relevant:
             near = o.fits[0]
             words = [
-                f"No gap of relevance: {_name(near)} at {near.hypothesis.place} would explain the log best, but it "
+                f"No gap of relevance: {near.hypothesis} would explain the log best, but it "
                 f"moves no signal by more than {o.share:.2g} of its movement; less than {relevant:g} is no gap."
             ]
         would = hidden(o.null, o.looked, needed(o.looked), seed + 1) if limits else []
@@ -144,7 +144,7 @@ def _unknown(o: Outcome) -> GapReport:
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
     if best is not None and o.best is not None:
         words.append(
-            f"Nearest is {_name(best)} at {best.hypothesis.place}, with which the log is {o.null.nll - best.nll:,.0f} "
+            f"Nearest is {best.hypothesis}, with which the log is {o.null.nll - best.nll:,.0f} "
             f"nats likelier, but it leaves {o.best.size:.1f} standard deviations in: {o.best.name}."
         )
     words.append(f"What the model alone leaves shows most in: {o.alone.name}, {o.alone.size:.1f} standard deviations.")

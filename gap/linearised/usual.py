@@ -82,9 +82,9 @@ def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
     return replace(floor, scores=np.sort(whole[np.isfinite(whole)]))
 
 
-def _usual(shape: Floor, found: Floats) -> Usual:
+def _usual(floor: Floor, found: Floats) -> Usual:
     """Return what single signals leave, of residuals of runs without a gap, (runs, rows, signals)."""
-    r = residuals(found, shape.changes)[:, shape.skipped :]
+    r = residuals(found, floor.changes)[:, floor.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)
     return Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))

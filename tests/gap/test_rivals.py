@@ -1,6 +1,9 @@
 """A named effect has to suit a record better than generic rivals, which are in no catalogue."""
 
+import math
+
 import pytest
+import stickslip.gap.likelihood.judge as judge
 from stickslip.cases.models import site_flow
 from stickslip.gap.effects import effect
 from stickslip.gap.likelihood.candidates import by_score
@@ -41,6 +44,14 @@ def test_a_random_signal_is_left_beside_a_step_where_a_slow_load_is_true():
     verdict = beside_random(fit, judged(fit, []))
     assert verdict.name == "a random signal at feed"
     assert verdict.unusual
+
+
+@pytest.mark.parametrize("ended", [0, 5, 11])
+def test_of_a_model_of_which_most_runs_come_to_no_end_nothing_is_usual(monkeypatch, ended):
+    null = settled(model_alone(when_switched(frame_of(*read(site_flow(), site_log("sine"))))))
+    whole = judge.without_gap
+    monkeypatch.setattr(judge, "without_gap", lambda *asked: whole(*asked)[:ended])
+    assert judged(null, []).limit == math.inf
 
 
 def test_an_effect_beside_another_is_sought_where_it_can_be_still():
