@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -11,10 +12,19 @@ from functools import wraps
 from multiprocessing import get_all_start_methods, get_context
 from typing import ParamSpec, TypeVar
 
-__all__ = ["one_thread", "processes"]
+__all__ = ["cores", "one_thread", "processes"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+
+def cores() -> int:
+    """Return how many cores this process may use.
+
+    >>> cores() >= 1
+    True
+    """
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:

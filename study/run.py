@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from stickslip.blocks.ports import nearest
 from stickslip.diagram.diagram import Diagram
-from stickslip.diagram.ensembles.running import cores, ensemble
+from stickslip.diagram.ensembles.running import ensemble
 from stickslip.diagram.kept import log_times
 from stickslip.diagram.progress import Progress, reporting
 from stickslip.diagram.settings import Changes, Settings, settings_of
 from stickslip.engine.status import Status
 from stickslip.logs.files.resumable import RowsFolder, joined, opened
+from stickslip.logs.processes import cores
 from stickslip.study.axes import StudyError, axes_of
 from stickslip.study.cluster import made_on_cluster, parts_of
 from stickslip.study.design import design

@@ -4,7 +4,6 @@ The diagram is laid out once; a variant is a copy of its arrays with one row of 
 without Python's lock, so plain threads keep all cores busy.  See also: ``variants`` (what varies), ``simulate``.
 """
 
-import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
@@ -40,6 +39,7 @@ from stickslip.engine.run import Outcome, prepare, run
 from stickslip.engine.snapshot import COUNTERS, Snapshot, total
 from stickslip.engine.status import Status
 from stickslip.engine.table import Component
+from stickslip.logs.processes import cores
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 LAYOUTS, GLANCE_S = 8, 0.1  # layouts of a diagram kept for its next ensembles; how often the progress is reported
@@ -108,11 +108,6 @@ def ensemble(
     runs = _Runs(variants, wanted, grid, float(duration), settings, branches, keep_logs, summary)
     _work(runs, len(variants), workers or cores(), progress)
     return runs.result()
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass(frozen=True)

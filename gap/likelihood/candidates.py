@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.role import Role
-from stickslip.diagram.progress import Progress, reporting
+from stickslip.diagram.progress import Progress
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.likelihood.fit import Fit, all_at_once, refined, tried
 from stickslip.gap.likelihood.frame import Frame
@@ -20,6 +20,7 @@ from stickslip.gap.likelihood.scores import score
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.sizes import sizes
 from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.likelihood.threads import in_threads
 
 Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
@@ -43,6 +44,9 @@ class Candidate:
     values: Mapping[str, float]
     gain: float
     direction: Floats | None
+
+    def __str__(self) -> str:
+        return str(self.hypothesis)
 
     @property
     def races(self) -> bool:
@@ -73,7 +77,7 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     racing = [one for one in hypotheses if _races(one)]
     others = [one for one in hypotheses if not _races(one)]
     raced = _raced(short, still, rough, racing, progress)
-    found = [_as_candidate(alone, still, rough, one, best) for one, best in raced]
+    found = [_as_candidate(alone, still, rough, one, best) for one, best in raced.items()]
     return _ranked(
         found
         + _each(others, lambda one: _at_limits(null, one.of(whole)) if one.bends else _tried(rough, one), progress)
@@ -83,15 +87,8 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
 def _each(
     hypotheses: Sequence[Hypothesis], look: Callable[[Hypothesis], Candidate | None], progress: Progress
 ) -> list[Candidate]:
-    found = []
-    with reporting(progress, len(hypotheses), "effects") as tell:
-        for k, one in enumerate(hypotheses):
-            tell(k, len(hypotheses), str(one))
-            best = look(one)
-            if best is not None:
-                found.append(best)
-        tell(len(hypotheses), len(hypotheses))
-    return _ranked(found)
+    found = in_threads(look, hypotheses, progress, "effects")
+    return _ranked(best for best in found if best is not None)
 
 
 def _ranked(found: Iterable[Candidate]) -> list[Candidate]:
@@ -167,43 +164,37 @@ def _directed(rough: Fit, one: Hypothesis, best: Innovations, gain: float) -> Ca
 
 def _raced(
     short: Frame, still: Innovations | None, rough: Fit, racing: Sequence[Hypothesis], progress: Progress
-) -> list[tuple[Hypothesis, Innovations]]:
+) -> dict[Hypothesis, Innovations]:
     """Return what each effect leaves of first rows: first sizes without rows behind switches, sizes on the way from
     there, then a fit in all of these rows.
 
     Without are those of which no first size is likelier than ``still``, the model as it is stated.  After each step
     only those go on that gain a share of what the best does.
     """
-    found: list[tuple[Hypothesis, Innovations]] = []
-    with reporting(progress, len(racing), "effects") as tell:
-        for k, one in enumerate(racing):
-            tell(k, len(racing), str(one))
-            part = one.of(replace(short, apart=True))
-            best = still
-            for size in sizes(rough, one):
-                ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
-                best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
-            if best is not None and best is not still:
-                found.append((one, best))
-        tell(len(racing), len(racing))
+
+    def first(one: Hypothesis) -> Innovations | None:
+        part, best = one.of(replace(short, apart=True)), still
+        for size in sizes(rough, one):
+            ahead = tried(part, {**one.frame.stated, **size}, None, FIRST_RUNS, best)
+            best = ahead if ahead is not None and (best is None or ahead.nll < best.nll) else best
+        return best
+
+    firsts = zip(racing, in_threads(first, racing, progress, "effects"), strict=True)
+    found = {one: best for one, best in firsts if best is not None and best is not still}
     found = _where_gained(found, still, FIRST_SHARE, _all_further, progress)
     return _where_gained(found, still, SHARE, lambda best: _sprinted(best, short), progress)
 
 
 def _where_gained(
-    found: list[tuple[Hypothesis, Innovations]], still: Innovations | None, share: float,
+    found: Mapping[Hypothesis, Innovations], still: Innovations | None, share: float,
     on: Callable[[Innovations], Innovations], progress: Progress,
-) -> list[tuple[Hypothesis, Innovations]]:  # fmt: skip
+) -> dict[Hypothesis, Innovations]:  # fmt: skip
     """Return what is left once effects have gone on that gain a share of the best gain; others stay where they are."""
-    gains = [math.inf if still is None else still.nll - best.nll for _, best in found]
-    least = share * max((gain for gain in gains if math.isfinite(gain)), default=0.0)
-    ahead = []
-    with reporting(progress, len(found), "effects") as tell:
-        for k, ((one, best), gain) in enumerate(zip(found, gains, strict=True)):
-            tell(k, len(found), str(one))
-            ahead.append((one, on(best) if gain >= least else best))
-        tell(len(found), len(found))
-    return ahead
+    gains = {one: math.inf if still is None else still.nll - best.nll for one, best in found.items()}
+    least = share * max((gain for gain in gains.values() if math.isfinite(gain)), default=0.0)
+    likely = [one for one in found if gains[one] >= least]
+    ahead = in_threads(lambda one: on(found[one]), likely, progress, "effects")
+    return {**found, **dict(zip(likely, ahead, strict=True))}
 
 
 def _all_further(best: Innovations) -> Innovations:

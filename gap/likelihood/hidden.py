@@ -18,6 +18,7 @@ from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.scores import score
+from stickslip.gap.likelihood.threads import in_threads
 
 FEW = 6  # effects that are asked of a large diagram: each takes about ten seconds there
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled
@@ -33,16 +34,18 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
 
     Of a large diagram, whose runs take long, only the likeliest few are asked.
     """
-    said = []
-    single = [(one, p) for one in found if (p := _only_size(one)) is not None]
-    for one, p in single if null.hypothesis.frame.record.filter is None else single[:FEW]:
-        hypothesis = one.hypothesis
-        assert hypothesis.effect is not None  # candidates are effects
+
+    def shown(one: Candidate) -> Seen | None:
+        p, hypothesis = _only_size(one), one.hypothesis
+        assert p is not None and hypothesis.effect is not None  # candidates are effects
         size = _of_play(null, hypothesis, p, needed, seed) if hypothesis.hides else _of(null, one, p, needed, seed)
-        if size is not None:
-            nominal = hypothesis.nominal[p.name]
-            said.append(Seen(hypothesis.effect.name, hypothesis.place, p.name, size, p.unit, nominal))
-    return said
+        if size is None:
+            return None
+        return Seen(hypothesis.effect.name, hypothesis.place, p.name, size, p.unit, hypothesis.nominal[p.name])
+
+    single = [one for one in found if _only_size(one) is not None]
+    asked = single if null.hypothesis.frame.record.filter is None else single[:FEW]
+    return [size for size in in_threads(shown, asked) if size is not None]
 
 
 def _only_size(one: Candidate) -> Parameter | None:

@@ -30,6 +30,7 @@ from stickslip.gap.likelihood.left import judged_by_loss, nearly_all
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.scores import at_bound, basis, trusted
 from stickslip.gap.likelihood.stems import known_stem
+from stickslip.gap.likelihood.threads import in_threads
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
 from stickslip.logs import Log
 
@@ -65,11 +66,15 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     logs = _runs(fit, runs, seed + 1)
     if len(logs) < runs // 2:  # the others come to no end
         return found
-    for k, log in enumerate(logs, start=1):
+
+    def figure_of(log: Log) -> float | None:
         left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
-        if left is not None:
-            usual.append(largest(replace(fit, best=left), directions)[1])
-        if (k % BATCH == 0 or k == len(logs)) and 2 * len(usual) >= k:
+        return None if left is None else largest(replace(fit, best=left), directions)[1]
+
+    for k in range(0, len(logs), BATCH):
+        asked = logs[k : k + BATCH]
+        usual += [figure for figure in in_threads(figure_of, asked) if figure is not None]
+        if 2 * len(usual) >= k + len(asked):
             found = _beside(usual, size, name, least)
             if found.p > ORDINARY or (found.unusual and _beside(usual, size / BEYOND_DOUBT, name, least).unusual):
                 break

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.diagram.progress import Progress, reporting
+from stickslip.diagram.progress import Progress
 from stickslip.gap.effects.stiction import Stiction
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
@@ -19,6 +20,7 @@ from stickslip.gap.likelihood.replayed_stems import replayed_stem
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, other_law, resting, settled_stem
+from stickslip.gap.likelihood.threads import in_threads
 
 Floats = NDArray[np.float64]
 NOISE = "sensor_noise"
@@ -32,7 +34,8 @@ STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its f
 FAINTER = 0.1  # of the best score, that an effect has to have to be fitted
 SLOWER = 0.3  # of the best gain in a race, that an effect has to have to be fitted
 LAG_SHARE = 0.02  # of the best gain, by which a first fit may lag behind as well, where a race was needed
-CLEAN, REACH = 4.5, 0.3  # largest check of such a fit, and the share of its gain that a stem has to have at first
+CLEAN = 4.5  # largest check of a fit that leaves nothing unusual
+REACH, FAR_REACH = 0.3, 0.02  # shares of its gain, and of any other fit's, that a stem has to have at first
 
 
 def model_alone(frame: Frame) -> Fit:
@@ -85,25 +88,26 @@ def fitted(
 
     ``within``: the nll that first sizes of a stem have to come to, or it is not fitted.
     """
-    first: list[Fit] = []
+    first: tuple[Fit, ...] = ()
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
     if null.hypothesis.frame.record.filter is None:  # a large diagram has too many stems, and their scores do say much
         chosen += [c for c in found[TRIED:] if c.hypothesis.sticks]
-    chosen.sort(key=lambda c: (c.hypothesis.hides, bool(c.hypothesis.nests)))
-    with reporting(progress, len(chosen), "fits") as tell:
-        for k, one in enumerate(chosen):
-            tell(k, len(chosen), str(one.hypothesis))
-            fit = _first_fit(null, one, first, raced, within)
-            if fit is not None:
-                first.append(fit)
-        tell(len(chosen), len(chosen))
-    first.sort(key=price)
+    for rank in range(3):  # a stem is fitted where nothing else is enough, one that jumps where one without gains
+        alike = [c for c in chosen if _rank(c.hypothesis) == rank]
+        fits = in_threads(partial(_first_fit, null, first, raced, within), alike, progress, "fits")
+        first = (*first, *(fit for fit in fits if fit is not None))
+    first = tuple(sorted(first, key=price))
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
-    ended = sorted((settled_stem(fit) if fit.hypothesis.hides else _ended(fit) for fit in near), key=price)
-    return _in_phase_of_best(ended)
+    ended = sorted(in_threads(lambda fit: settled_stem(fit) if fit.hypothesis.hides else _ended(fit), near), key=price)
+    return _in_phase_of_best(ended, lag)
+
+
+def _rank(one: Hypothesis) -> int:
+    """Return how many kinds of effects are fitted before: those that hide no mode, and stems that do not jump."""
+    return int(one.hides) + int(one.hides and bool(one.nests))
 
 
 def _ended(fit: Fit) -> Fit:
@@ -121,21 +125,23 @@ def _ended(fit: Fit) -> Fit:
     return fit
 
 
-def _in_phase_of_best(found: list[Fit]) -> list[Fit]:
-    """Return the fits with rows behind the scans where the best has them: a wrong model finds them elsewhere."""
+def _in_phase_of_best(found: list[Fit], lag: float) -> list[Fit]:
+    """Return the fits with rows behind the scans where the best has them: a wrong model finds them elsewhere.
+
+    Fits that lag behind the best there, by more than ``lag``, are left out.
+    """
     if not found or found[0].hypothesis.hides:
         return found
     best = in_phase(found[0].best)
     if best is found[0].best:
         return found
-    others = [
-        tried(fit.hypothesis.of(best.hypothesis.frame), fit.best.values) for fit in found if not fit.hypothesis.hides
-    ]
-    again = [settled(unfitted(one)) for one in (best, *others[1:]) if one is not None]
-    return sorted([*again, *(fit for fit in found if fit.hypothesis.hides)], key=price)
+    stems, others = ([fit for fit in found[1:] if fit.hypothesis.hides == hides] for hides in (True, False))
+    there = [tried(fit.hypothesis.of(best.hypothesis.frame), fit.best.values) for fit in others]
+    near = [one for one in (best, *there) if one is not None and one.nll <= best.nll + lag]
+    return sorted([*in_threads(lambda one: settled(unfitted(one)), near), *stems], key=price)
 
 
-def _first_fit(null: Fit, one: Candidate, found: Sequence[Fit], raced: bool, within: float) -> Fit | None:
+def _first_fit(null: Fit, found: Sequence[Fit], raced: bool, within: float, one: Candidate) -> Fit | None:
     """Return the first fit of a candidate; ``found`` those before it."""
     mine = one.hypothesis.of(null.best.hypothesis.frame)  # the same rows for all, or no two compare
     if mine.hides:
@@ -171,11 +177,14 @@ def _likelier_noise(start: Innovations | None) -> Innovations | None:
 
 
 def _within_reach(null: Fit, found: Sequence[Fit]) -> float:
-    """Return the nll that first sizes of a stem have to come to: nearly that of a fit that leaves nothing unusual."""
+    """Return the nll that first sizes of a stem have to come to: nearly that of a fit that leaves nothing unusual, and
+    not far above that of any other.
+    """
     best = min(found, key=price, default=None)
-    if best is None or best.hypothesis.hides or max(map(abs, checks(best.best).values())) > CLEAN:
+    if best is None or best.hypothesis.hides:
         return math.inf
-    return null.nll - REACH * (null.nll - best.nll)
+    clean = max(map(abs, checks(best.best).values())) <= CLEAN
+    return null.nll - (REACH if clean else FAR_REACH) * max(null.nll - best.nll, 0.0)
 
 
 def _is_without_jump(narrow: Hypothesis, wide: Hypothesis) -> bool:

@@ -19,9 +19,10 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import percent_in
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.fit import Fit, refined
-from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
 from stickslip.gap.likelihood.known_stem import KnownStem
 from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.likelihood.threads import in_threads
 
 Floats = NDArray[np.float64]
 BETWEEN = 10  # draws of a noise from row to row, at most; one held over two scans is another, 250 nats off once
@@ -96,7 +97,7 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     """Return the fit of a stem from first sizes with the noise and gains of a bank."""
     shared = bank.shared
     bank.count = STEMS
-    best = min((_refined(bank, start) for start in _starts(bank)), key=_nll, default=None)
+    best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=_nll, default=None)
     if best is None:
         return None
     known = refined(_known(one, best.stem).filtered(shared), tuple(one.frame.free), ROUNDS)
@@ -113,22 +114,22 @@ def _looked_at(null: Fit, one: Hypothesis, without: Fit | None) -> list[Bank]:
 
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
     """
-    found: list[Bank] = []
     fitted = {key: (without or null).best.values[key] for key in one.frame.free}
     both = without is None or one.bare is not None
-    for shared in (fitted, dict(one.frame.stated)) if both else (fitted,):
-        path = without.best.stem if without is not None else _ideal(null, one)
-        bank = None if path is None else _with_path(one, shared, path, FEW)
-        if bank is None:
-            continue
-        still = None if without is not None else bank.tried(_without_band(one))
-        pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
-        for size in [*(_bands(one) if without is None else _jumps(without)), *pairs]:
-            bank.tried(size)
-        best = bank.best()
-        if best is not None and (still is None or best.nll < still.nll - SHOWS):
-            found.append(bank)
-    return found
+    path = without.best.stem if without is not None else _ideal(null, one)
+    if path is None:
+        return []
+    starts = (fitted, dict(one.frame.stated)) if both else (fitted,)
+    banks = [bank for shared in starts if (bank := _with_path(one, shared, path, FEW)) is not None]
+    still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
+    pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
+    first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
+    in_threads(lambda trial: trial[0].tried(trial[1]), [(bank, size) for bank in banks for size in first])
+    bests = [bank.best() for bank in banks]
+    return [
+        bank for bank, best, at_rest in zip(banks, bests, still, strict=True)
+        if best is not None and (at_rest is None or best.nll < at_rest.nll - SHOWS)
+    ]  # fmt: skip
 
 
 def _bands(one: Hypothesis) -> list[dict[str, float]]:
@@ -183,9 +184,10 @@ def _finished(bank: Bank, known: Fit) -> Fit:
     """Return the fit of the likeliest trial; ``known``: that of the rest with its path."""
     best = bank.best()
     assert best is not None
-    for k in range(len(best.hypothesis.own)):
-        for way in (1.0 - ASIDE, 1.0 + ASIDE):
-            bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
+    aside = [
+        _moved(_sizes(best), k, way) for k in range(len(best.hypothesis.own)) for way in (1.0 - ASIDE, 1.0 + ASIDE)
+    ]
+    in_threads(lambda size: bank.tried(size, best.hypothesis), aside)
     last = _last(bank)
     mine = [trial for trial in bank.trials if trial.hypothesis.effect is last.hypothesis.effect]
     names, sure = _certainty(last, mine)
@@ -241,7 +243,8 @@ def _starts(bank: Bank) -> list[Innovations]:
     found: list[Innovations] = []
     for trial in sorted(bank.trials, key=_nll):
         share = _share(trial)
-        if len(found) < STARTS and all(abs(_share(one) - share) > APART for one in found):
+        apart = all(abs(_share(one) - share) > APART for one in found)
+        if len(found) < STARTS and apart and trial.nll < (found or [trial])[0].nll + LATE:
             found.append(trial)
     return found
 
