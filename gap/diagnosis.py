@@ -40,13 +40,25 @@ def diagnose(
     limits: bool = True,
     progress: Progress = None,
 ) -> GapReport:
-    """Return where the model and the log differ, which effect explains it, and how far it shrinks then.
+    """Return where the model and the log differ, which effect explains it, and how far the gap shrinks then.
 
     ``diagram`` is the model, with its noise and its unmeasured loads as blocks.  ``log`` is a table of signals of the
-    diagram, by name.  ``seed`` is that of the runs without a gap.  ``limits=False`` saves time: the report on a record
-    without a gap then does not say from which sizes on effects would have shown.
+    diagram, by name, or a run.  ``catalogue`` are the effects that are tried, at every place where each may be; few of
+    them take less time.  ``seed`` is that of the runs without a gap.  ``limits=False`` saves time: the report on a
+    record without a gap then does not say from which sizes on effects would have shown.  ``progress`` is a bar (True),
+    silence (False), a function of (done, total), or None for a bar where standard error is a terminal.
 
     Raises ``GapError`` if log and model do not fit together.
+
+    >>> from stickslip.cases.models import ideal_flow
+    >>> from stickslip.diagram import simulate
+    >>> from stickslip.gap.effects import effect
+    >>> plant = effect("controller_gain").insert(ideal_flow(), "controller", factor=1.5)
+    >>> run = simulate(plant, 1200.0, every=1.0, inputs={"SP": 0.6})
+    >>> known = [effect("controller_gain"), effect("process_gain")]
+    >>> cause = diagnose(ideal_flow(), run, catalogue=known, limits=False).causes[0]
+    >>> cause.effect, cause.place, round(cause.parameters["factor"].value, 2)
+    ('controller_gain', 'controller', 1.5)
     """
     log = getattr(log, "log", log)
     if not isinstance(log, Log):

@@ -50,7 +50,19 @@ from stickslip.gap.effects.valve_saturation import ValveSaturation
 from stickslip.gap.effects.vapour_pressure import VapourPressure
 from stickslip.gap.insertion.effect import Effect, EffectError
 
-CATALOGUE: tuple[Effect, ...] = (
+
+class Catalogue(tuple[Effect, ...]):
+    """The effects that are tried, in order; as text it says how many there are.
+
+    >>> Catalogue([Stiction()])
+    <Catalogue of 1 effect>
+    """
+
+    def __repr__(self) -> str:
+        return f"<Catalogue of {len(self)} effect{'' if len(self) == 1 else 's'}>"
+
+
+CATALOGUE = Catalogue((
     Stiction(), Deadband(), ValveLeak(), ValveSaturation(), ValveRateLimit(), PositionerLag(), ValveCharacteristic(),
     ValveGain(),
     DeadTime(), ProcessGain(), ProcessTimeConstant(), SecondLag(), Lead(), TankOverflow(),
@@ -61,7 +73,7 @@ CATALOGUE: tuple[Effect, ...] = (
     SineDisturbance(), StepDisturbance(), Slug(),
     HorizontalSeparator(), BoilOffRate(), VapourPressure(), RealGas(), GasTemperature(),
     CompressorFouling(), CompressorMapShift(), RecycleLeak(), ShaftFriction(), LineFriction(),
-)  # fmt: skip
+))  # fmt: skip
 
 
 def effect(name: str, catalogue: Iterable[Effect] = CATALOGUE) -> Effect:
