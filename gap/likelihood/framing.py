@@ -7,7 +7,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.frame import Frame
-from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
@@ -17,15 +17,22 @@ from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
-from stickslip.gap.records.start import start_values
+from stickslip.gap.records.start import ROWS, start_values
 
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
 
 
-def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None:
-    """Return what the hypotheses of a record share; None where no filter follows the model.
+def frame_of(model: Diagram, record: Record) -> Frame | None:
+    """Return what the hypotheses of a record share; None where no filter follows the model."""
+    found = followed(model, record)
+    return found.hypothesis.frame if found else None
 
-    ``asked``: whether the filter is run to see that it does; who runs it anyhow sees an ``ArithmeticError``.
+
+def followed(model: Diagram, record: Record) -> Innovations | None:
+    """Return what the model alone leaves of a record, from the likelier start; None where no filter follows it.
+
+    It starts as it is stated, or so that its first rows suit the log, which costs its price: loads and noise of these
+    rows move what a log hardly feels, as a hidden slow state, to anywhere.
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
@@ -33,15 +40,18 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
         return None
     quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
-    frames = (Frame(Given(model.starting_at(start)), record) for start in (start_values(quiet, record), {}))
+    fitted = start_values(quiet, record)
     try:
-        return next((found for frame in frames if (found := _followed(frame, asked)) is not None), None)
+        found = {cost: _from_start(Frame(Given(model.starting_at(start)), record))
+                 for start, cost in (({}, 0.0), (fitted, 0.5 * len(fitted) * math.log(ROWS)))}  # fmt: skip
     except NoFilter:
         return None
+    each = [(one.nll + cost, one) for cost, one in found.items() if one is not None]
+    return min(each, key=lambda known: known[0], default=(math.inf, None))[1]
 
 
-def _followed(frame: Frame, asked: bool) -> Frame | None:
-    """Return a frame whose filter follows the record; None where it does not from such a start.
+def _from_start(frame: Frame) -> Innovations | None:
+    """Return what the model alone leaves; None where no filter follows the record from such a start.
 
     Raises ``NoFilter`` for a model that has none from any.
     """
@@ -49,15 +59,13 @@ def _followed(frame: Frame, asked: bool) -> Frame | None:
         alone = Hypothesis(frame)
         exactly = alone.exactly(alone.nominal)
         if exactly is not None and not felt(exactly):
-            return frame
+            return exactly
         alone = Hypothesis(replace(frame, doubts=rounded(frame.record)))
         if len(frame.model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
             raise NoFilter(f"the model has more than {MOST_BLOCKS} blocks or {MOST_STATES} states")
-        if asked:
-            alone.filtered({})
+        return alone.filtered({})
     except ArithmeticError:
         return None
-    return alone.frame
 
 
 def settled_behind_holes(quiet: Diagram, record: Record) -> Record:
