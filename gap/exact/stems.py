@@ -80,7 +80,7 @@ def left_by_stems(
     below, losses = np.empty(Y.shape), np.empty(len(Y))
     stood, came = np.empty((len(u), count), dtype=np.float32), np.empty((len(Y), count), dtype=np.int32)
     _banked(one.F, one.v, one.told, one.H, one.last, one.start, u, Y, every, K, s, of_OP, q, G, b, g, p, moved, known,
-            S, J, draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
+            float(S), float(J), draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
     row_of = np.full(len(u), -1)
     row_of[::every] = np.arange(len(Y))
     return _deviates(below), losses, likely_path(stood, came, row_of)
