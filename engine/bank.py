@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 from stickslip.engine.filtering import BEHIND, huber
-from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
+from stickslip.engine.restarts import arrive, begin, keep, pass_instant, put, read, restore, write
 from stickslip.engine.slopes import arrived
 from stickslip.logs.compiled import njit
 
@@ -45,10 +45,12 @@ def banked(  # type: ignore[no-untyped-def]
     mean_I, mean_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
     noisy_I, noisy_W = np.empty((particles, len(I)), dtype=np.int64), np.empty((particles, len(W)))
     for j in range(particles):
-        mean_I[j], mean_W[j], noisy_I[j], noisy_W[j] = I, W, I, W
+        keep(I, W, mean_I[j], mean_W[j])
+        keep(I, W, noisy_I[j], noisy_W[j])
     next_I, next_W = np.empty((particles, kept), dtype=np.int64), np.empty((particles, saved))
     z, ahead = np.empty((particles, n)), np.empty((particles, n))
-    z[:] = z0
+    for j in range(particles):
+        write(z0, z[j])
     y, back, aside = np.empty(m), np.empty(n + q), np.empty(n + q)
     kept_mode, theirs, theirs_at = np.empty(h), np.empty(n), np.empty(particles)
     weight, before, loss, off = np.zeros(particles), np.empty(particles), np.empty(particles), np.empty((particles, m))
@@ -94,11 +96,13 @@ def banked(  # type: ignore[no-untyped-def]
                 for i in range(n):
                     if own[i]:
                         ahead[j, i] = theirs[i]
-                z[j] = ahead[j]
+                write(ahead[j], z[j])
                 put(here_I, here_W, places[0], z[j])
                 continue
             read(W, shown, y)
-            back[:n], back[n:], aside[:] = z[j], 0.0, 0.0
+            begin(z[j], back)
+            for p in range(n + q):
+                aside[p] = 0.0
             loss[j] = 0.0
             for i in range(m):
                 if S[row, i] != S[row, i]:
@@ -135,7 +139,7 @@ def banked(  # type: ignore[no-untyped-def]
                 if own[i]:
                     z[j, i] = theirs[i]
             put(I, W, places[0], z[j])
-            next_I[j], next_W[j] = I[:kept], W[:saved]
+            keep(I, W, next_I[j], next_W[j])
         if row < 0:
             continue
         top = -np.inf
@@ -176,10 +180,10 @@ def banked(  # type: ignore[no-untyped-def]
             else:
                 j = p
             came[row, p], stood[k, p] = j, theirs_at[j]
-            ahead[p] = z[j]
-            mean_I[p, :kept], mean_W[p, :saved] = next_I[j], next_W[j]
-            noisy_I[p, :kept], noisy_W[p, :saved] = next_I[j], next_W[j]
-        z[:] = ahead
+            write(z[j], ahead[p])
+            restore(mean_I[p], mean_W[p], next_I[j], next_W[j])
+            restore(noisy_I[p], noisy_W[p], next_I[j], next_W[j])
         for p in range(particles):
+            write(ahead[p], z[p])
             weight[p] = 0.0 if anew else math.log(max(weight[p] * particles, 1e-300))
     return 0

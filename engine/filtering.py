@@ -19,9 +19,9 @@ import math
 
 import numpy as np
 from stickslip.engine.layout import N_BLOCKS
-from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
-from stickslip.engine.slopes import WIDE, arrived, as_steep, passing_on, same_kind, slopes_at, straight
-from stickslip.engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, with_room
+from stickslip.engine.restarts import add, arrive, begin, keep, pass_instant, put, read, restore, write
+from stickslip.engine.slopes import WIDE, arrived, as_steep, noted, passing_on, same_kind, slopes_at, straight
+from stickslip.engine.spread import bent, first_of, foretold, joint, narrowed, spread_to, taken_in, with_room
 from stickslip.engine.status import Status
 from stickslip.logs.compiled import njit
 
@@ -44,13 +44,13 @@ def followed(  # type: ignore[no-untyped-def]
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
     y, back = np.empty(m), np.zeros(n + q)
-    base_I, base_W = I[:kept].copy(), W[:saved].copy()
+    base_I, base_W = np.empty(kept, dtype=np.int64), np.empty(saved)
     for k in range(len(times)):
         row = row_of[k]
         again = row >= 0 and kinks[row]
         if again:
-            base_I[:], base_W[:] = I[:kept], W[:saved]
-            back[:n], back[n:] = z, 0.0
+            keep(I, W, base_I, base_W)
+            begin(z, back)
         put(I, W, places[0], z)
         status = arrive(I, W, buffer, times[k])
         if status != 0:
@@ -61,12 +61,12 @@ def followed(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         read(W, places[1], z)
-        z += turns[k, :n]
+        add(turns[k], 0, z)
         if row < 0:
             continue
         read(W, shown, y)
-        y += turns[k, n:]
-        at_rows[row] = y
+        add(turns[k], n, y)
+        write(y, at_rows[row])
         for i in range(m):
             if values[row, i] != values[row, i]:
                 continue
@@ -84,12 +84,12 @@ def followed(  # type: ignore[no-untyped-def]
                     return status
                 read(W, places[1], z)
                 read(W, shown, y)
-                z += turns[k, :n]
-                y += turns[k, n:]
+                add(turns[k], 0, z)
+                add(turns[k], n, y)
     return 0
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def huber(off, far):  # type: ignore[no-untyped-def]
     """Return the loss of a value ``off`` by so many standard deviations [nats], in proportion beyond ``far``."""
     size = abs(off)
@@ -134,14 +134,15 @@ def extended(  # type: ignore[no-untyped-def]
     those of stop k stand at ``which[k]``.
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
-    nothing = np.full(m, np.nan)
-    base_I, base_W = I[:kept].copy(), W[:saved].copy()
-    next_I, next_W = I[:kept].copy(), W[:saved].copy()
-    stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
+    base_I, base_W = np.empty(kept, dtype=np.int64), np.empty(saved)
+    next_I, next_W = np.empty(kept, dtype=np.int64), np.empty(saved)
+    stop_I, stop_W = np.empty(kept, dtype=np.int64), np.empty(saved)
+    keep(I, W, base_I, base_W)
     room = FACTOR * (n + q + 1)
     D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
     columns = spread.shape[1]
-    D[:, :columns] = spread
+    for i in range(n):
+        write(spread[i], D[i])
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
     kinds, known = np.zeros((KINDS, I[N_BLOCKS] + len(modes) + 1), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
@@ -177,13 +178,13 @@ def extended(  # type: ignore[no-untyped-def]
         row = row_of[k]
         moved = row >= 0 or width < 0 or near  # no other stop is probed, or has slopes of its own
         if moved:
-            next_I[:], next_W[:] = I[:kept], W[:saved]
+            keep(I, W, next_I, next_W)
         borrowed = width < 0 and like >= 0 and not near
         if borrowed:  # an input has moved the run, which may leave it as steep
             width = spread_to(A[like], B[like], H[like], G[like], sd[k], D, columns, E, Y)
             if as_steep(I, W, buffer, base_I, base_W, places, shown, noisy, times[k], phi[k], sd[k], k, A[like],
                         B[like], H[like], G[like], z, D, columns, behind, y, E, Y, width, aside, drawn):  # fmt: skip
-                from_z[slot], to_z[slot], to_y[slot] = z, behind, y
+                noted(z, behind, y, from_z[slot], to_z[slot], to_y[slot])
             else:
                 width = -1
         # between rows nothing bends within the spread, if it did not within more of it at the row before
@@ -208,7 +209,7 @@ def extended(  # type: ignore[no-untyped-def]
                 break
             for j in range(q):
                 W[noisy[j]] *= phi[k, j]
-            stop_I[:], stop_W[:] = I[:kept], W[:saved]
+            keep(I, W, stop_I, stop_W)
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
@@ -222,14 +223,14 @@ def extended(  # type: ignore[no-untyped-def]
             count += 1
             if slot >= 0 and not bent(B[which[k]], G[which[k]]):
                 known[slot] = k
-                from_z[slot], to_z[slot], to_y[slot] = z, behind, y
-            if lost:
-                turns[k] = 0.0
-            behind += turns[k, :n]
-            y += turns[k, n:]
+                noted(z, behind, y, from_z[slot], to_z[slot], to_y[slot])
+            for p in range(n + m if lost else 0):
+                turns[k, p] = 0.0
+            add(turns[k], 0, behind)
+            add(turns[k], n, y)
         if row >= 0:
-            at_rows[row] = y
-            back[:n], back[n:] = z, 0.0
+            write(y, at_rows[row])
+            begin(z, back)
             F = nowhere
             if fresh:
                 bends = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
@@ -237,37 +238,42 @@ def extended(  # type: ignore[no-untyped-def]
             kinks[row] = near = bends
             if kinks[row] or joined:
                 F = joint(D, columns, sd[k], width, bent(B[which[k]], G[which[k]]))
-            before = values[row - 1] if row > 0 else nothing
-            z[:] = behind
+            write(behind, z)
             for i in range(m):
-                took = taken_in(i, values[row, i], before[i], r[i], width, E, F, Y, z, back, y, gains[row], e[row],
+                before = values[row - 1, i] if row > 0 else math.nan
+                took = taken_in(i, values[row, i], before, r[i], width, E, F, Y, z, back, y, gains[row], e[row],
                                 S[row])  # fmt: skip
                 if took and kinks[row]:
                     status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n],
                                      back[n : n + q])  # fmt: skip
                     if status != 0:
                         break
-                    next_I[:], next_W[:] = I[:kept], W[:saved]
+                    keep(I, W, next_I, next_W)
                     read(W, places[1], z)
                     read(W, shown, y)
-                    z += back[n + q] * B[which[k], :, q] + turns[k, :n]
-                    y += back[n + q] * G[which[k], :, q] + turns[k, n:]
+                    for p in range(n):
+                        z[p] += back[n + q] * B[which[k], p, q] + turns[k, p]
+                    for p in range(m):
+                        y[p] += back[n + q] * G[which[k], p, q] + turns[k, n + p]
             if status != 0:
                 break
-            lost = np.nanmax(np.abs(e[row])) > LOST
+            lost = False
+            for i in range(m):
+                lost = lost or abs(e[row, i]) > LOST
             if len(bar) > 0 and bar[row] == bar[row]:
                 loss += loss_of(e[row], S[row], sure, far)
                 if loss > bar[row]:
                     status = BEHIND
                     break
         else:
-            z[:] = behind
+            write(behind, z)
         D, E, columns = E, D, width
         if moved:
-            base_I[:], base_W[:] = next_I, next_W
+            restore(base_I, base_W, next_I, next_W)
         else:
-            base_I[:], base_W[:] = I[:kept], W[:saved]
-    return status, A[:count].copy(), B[:count].copy(), H[:count].copy(), G[:count].copy()
+            keep(I, W, base_I, base_W)
+    return (status, first_of(A, count, count), first_of(B, count, count), first_of(H, count, count),
+            first_of(G, count, count))  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -284,14 +290,18 @@ def otherwise(  # type: ignore[no-untyped-def]
     room = FACTOR * (n + q + 1)
     D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
     columns = spread.shape[1]
-    D[:, :columns] = spread
+    for i in range(n):
+        write(spread[i], D[i])
     nowhere, back = np.empty((0, room)), np.empty(0)
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
         own = which[k]
-        a[:], h[:] = A[own], H[own]
         b, g = B[own], G[own]
+        for i in range(n):
+            write(A[own, i], a[i])
+        for i in range(m):
+            write(H[own, i], h[i])
         for j in range(q):
             more = other_phi[k, j] - phi[k, j]
             for i in range(n):
@@ -316,7 +326,7 @@ def otherwise(  # type: ignore[no-untyped-def]
                 for j in range(q):
                     s += (other_phi[k, j] - phi[k, j]) * g[i, j] * force[k, j]
                 y[i] = s
-            known[:] = shown[row]
+            write(shown[row], known)
             for i in range(m):
                 if values[row, i] != values[row, i]:
                     continue
@@ -331,5 +341,5 @@ def otherwise(  # type: ignore[no-untyped-def]
                         moved[p] -= gains[row, p, i] * off
                     for p in range(m):
                         known[p] += gains[row, n + p, i] * off
-        aside[:] = moved
+        write(moved, aside)
         D, E, columns = E, D, width

@@ -34,8 +34,44 @@ from stickslip.logs.compiled import njit
 @njit(cache=True, error_model="numpy", inner=True)
 def restore(ints, floats, kept_ints, kept_floats):  # type: ignore[no-untyped-def]
     """Set a run back to what was kept of it: its first integers, and its first floats."""
-    ints[: len(kept_ints)] = kept_ints
-    floats[: len(kept_floats)] = kept_floats
+    for i in range(len(kept_ints)):
+        ints[i] = kept_ints[i]
+    for i in range(len(kept_floats)):
+        floats[i] = kept_floats[i]
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def keep(ints, floats, kept_ints, kept_floats):  # type: ignore[no-untyped-def]
+    """Keep of a run what it takes to set it back.
+
+    Loops like this one stand in place of slices, which take several times as long to compile, and no less to run.
+    """
+    for i in range(len(kept_ints)):
+        kept_ints[i] = ints[i]
+    for i in range(len(kept_floats)):
+        kept_floats[i] = floats[i]
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def write(source, target):  # type: ignore[no-untyped-def]
+    """Write what stands in ``source`` to the beginning of ``target``."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def begin(source, target):  # type: ignore[no-untyped-def]
+    """Write what stands in ``source`` to the beginning of ``target``, and 0 behind it."""
+    write(source, target)
+    for i in range(len(source), len(target)):
+        target[i] = 0.0
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def add(source, first, target):  # type: ignore[no-untyped-def]
+    """Add what stands in ``source`` from ``first`` on to ``target``."""
+    for i in range(len(target)):
+        target[i] += source[first + i]
 
 
 @njit(cache=True, error_model="numpy")
@@ -62,21 +98,21 @@ def read(floats, places, z):  # type: ignore[no-untyped-def]
         z[i] = floats[places[i]]
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def arrive(ints, floats, buffer, t):  # type: ignore[no-untyped-def]
     """Advance a run to an instant, before anything happens there; return a status."""
     ints[HOLD] = 1
     return unlogged(ints, floats, buffer, t)
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def pass_instant(ints, floats, buffer):  # type: ignore[no-untyped-def]
     """Let everything happen that is due at the present instant; return a status."""
     ints[HOLD] = 0
     return unlogged(ints, floats, buffer, floats[T])
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def unlogged(ints, floats, buffer, t):  # type: ignore[no-untyped-def]
     """Advance a run of which nobody reads events or rows of a log."""
     ints[EV_COUNT] = 0

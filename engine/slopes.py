@@ -5,7 +5,7 @@ import math
 import numpy as np
 from stickslip.engine.layout import COUNT, EVENTS, R
 from stickslip.engine.layout import H as H0
-from stickslip.engine.restarts import arrive, pass_instant, put, read, restore
+from stickslip.engine.restarts import arrive, pass_instant, put, read, restore, write
 from stickslip.engine.spread import NARROWEST, add_bend, bent, foretells, one_bend
 from stickslip.logs.compiled import njit
 
@@ -17,7 +17,7 @@ SIGNS = 8  # stops after which signs repeat
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy", inner=True)
 def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # type: ignore[no-untyped-def]
     """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
     restore(I, W, base_I, base_W)
@@ -43,10 +43,11 @@ def slopes_at(  # type: ignore[no-untyped-def]
     (n + m,) is by how much that moves the mean of the state, and of the signals.
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
-    bend, y_bend, most = np.zeros(n), np.zeros(m), 0.0
-    turn[:] = 0.0
-    B[:, q] = 0.0
-    G[:, q] = 0.0
+    bend, y_bend, most, moves = np.zeros(n), np.zeros(m), 0.0, False
+    for i in range(n + m):
+        turn[i] = 0.0
+    clear(B, q)
+    clear(G, q)
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
     nothing, fars = np.zeros(q), np.empty(n)
     for i in range(n):
@@ -54,8 +55,9 @@ def slopes_at(  # type: ignore[no-untyped-def]
         for j in range(columns):
             variance += D[i, j] ** 2
         fars[i] = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+        moves = moves or passed_on[i] >= 0
     together = False
-    if np.any(passed_on >= 0):  # these move at once, if they still do nothing else
+    if moves:  # these move at once, if they still do nothing else
         for i in range(n):
             moved_z[i] = z[i] + (fars[i] if passed_on[i] >= 0 else 0.0)
         status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
@@ -63,34 +65,32 @@ def slopes_at(  # type: ignore[no-untyped-def]
             return status
         read(W, places[1], up)
         read(W, shown, y_up)
-        down[:] = behind
+        write(behind, down)
         for i in range(n):
             if passed_on[i] >= 0:
                 down[passed_on[i]] += fars[i]
-        together = bool(np.all(np.abs(up - down) <= ROUNDED * size)) and bool(
-            np.all(np.abs(y_up - y) <= ROUNDED * np.abs(y))
-        )
+        together = near(up, down, size) and near(y_up, y, y)
     for i in range(n):
         far = fars[i]
         if together and passed_on[i] >= 0:
-            A[:, i] = 0.0
-            H[:, i] = 0.0
+            clear(A, i)
+            clear(H, i)
             A[passed_on[i], i] = 1.0
             continue
         for way in range(2):
-            moved_z[:] = z
+            write(z, moved_z)
             moved_z[i] += far if way == 0 else -far
             status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
             if status != 0:
                 return status
             read(W, places[1], up if way == 0 else down)
             read(W, shown, y_up if way == 0 else y_down)
-        A[:, i] = (up - down) / (2.0 * far)
-        H[:, i] = (y_up - y_down) / (2.0 * far)
+        slope(up, down, far, A, i)
+        slope(y_up, y_down, far, H, i)
         most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, turn, most, B[:, q], G[:, q])
     for j in range(len(noisy)):
-        B[:, j] = 0.0
-        G[:, j] = 0.0
+        clear(B, j)
+        clear(G, j)
         if sd[j] > 0.0:
             far = WIDE * sd[j]
             for way in range(2):
@@ -101,13 +101,36 @@ def slopes_at(  # type: ignore[no-untyped-def]
                     return status
                 read(W, places[1], up if way == 0 else down)
                 read(W, shown, y_up if way == 0 else y_down)
-            B[:, j] = (up - down) / (2.0 * far)
-            G[:, j] = (y_up - y_down) / (2.0 * far)
+            slope(up, down, far, B, j)
+            slope(y_up, y_down, far, G, j)
             most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, turn, most, B[:, q], G[:, q])
     one_bend(A, H, B, G, sd, D, columns, bend, y_bend)
-    if not bent(B, G):
-        turn[:] = 0.0
+    for i in range(0 if bent(B, G) else n + m):
+        turn[i] = 0.0
     return 0
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def clear(A, j):  # type: ignore[no-untyped-def]
+    """Let column ``j`` be 0."""
+    for i in range(len(A)):
+        A[i, j] = 0.0
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def slope(up, down, far, A, j):  # type: ignore[no-untyped-def]
+    """Write to column ``j`` how fast changes what is ``up`` so ``far`` to one side, and ``down`` to the other."""
+    for i in range(len(up)):
+        A[i, j] = (up[i] - down[i]) / (2.0 * far)
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def near(one, other, size):  # type: ignore[no-untyped-def]
+    """Return whether two differ by rounding alone."""
+    alike = True
+    for i in range(len(one)):
+        alike = alike and abs(one[i] - other[i]) <= ROUNDED * abs(size[i])
+    return alike
 
 
 @njit(cache=True, error_model="numpy", inner=True)
@@ -120,7 +143,10 @@ def passing_on(A, H):  # type: ignore[no-untyped-def]
         for k in range(n):
             if A[k, i] != 0.0:
                 to = k if to == -1 and abs(A[k, i] - 1.0) <= ROUNDED else -2
-        if to >= 0 and not taken[to] and not np.any(H[:, i] != 0.0):
+        shown = False
+        for k in range(len(H)):
+            shown = shown or H[k, i] != 0.0
+        if to >= 0 and not taken[to] and not shown:
             found[i], taken[to] = to, True
     return found
 
@@ -146,13 +172,15 @@ def same_kind(base, behind, floats, after, modes, kinds, known, times, phi, sd, 
     this[n_blocks + len(modes)] = behind[EVENTS] - base[EVENTS]
     for slot in range(len(known)):
         if known[slot] < 0:
-            kinds[slot] = this
+            write(this, kinds[slot])
             return slot
         other = known[slot]
         alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
         for j in range(phi.shape[1]):
             alike = alike and abs(phi[k, j] - phi[other, j]) < SAME and abs(sd[k, j] - sd[other, j]) <= SAME * sd[k, j]
-        if alike and np.all(kinds[slot] == this):
+        for i in range(len(this)):
+            alike = alike and kinds[slot, i] == this[i]
+        if alike:
             return slot
     return -1
 
@@ -202,23 +230,42 @@ def as_steep(  # type: ignore[no-untyped-def]
     """
     n, m, q = len(z), len(y), len(noisy)
     step, to, to_y = np.zeros(n), np.empty(n), np.empty(m)
+    by, then, then_y = np.empty(n), np.empty(n), np.empty(m)
     for j in range(columns):
         sign = 1.0 if (k >> (j % SIGNS)) & 1 else -1.0
         for i in range(n):
             step[i] += sign * D[i, j]
     for way in (WIDE, -WIDE):
-        aside[:] = z + way * step
-        drawn[:] = way * sd
+        for i in range(n):
+            by[i] = way * step[i]
+            aside[i] = z[i] + by[i]
+        for j in range(q):
+            drawn[j] = way * sd[j]
         if arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, aside, drawn) != 0:
             return False
         read(W, places[1], to)
         read(W, shown, to_y)
-        then, then_y = behind.copy(), y.copy()
-        for j in range(q):
-            then += B[:, j] * drawn[j]
-            then_y += G[:, j] * drawn[j]
-        if not foretells(A, way * step, to, then, E, width, STEEP, 0.0, z):
+        drawn_to(behind, B, drawn, then)
+        drawn_to(y, G, drawn, then_y)
+        if not foretells(A, by, to, then, E, width, STEEP, 0.0, z):
             return False
-        if not foretells(H, way * step, to_y, then_y, Y, width, STEEP, 0.0, y):
+        if not foretells(H, by, to_y, then_y, Y, width, STEEP, 0.0, y):
             return False
     return True
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def noted(z, behind, y, from_z, to_z, to_y):  # type: ignore[no-untyped-def]
+    """Note from where a stop was reached, and what it came to."""
+    write(z, from_z)
+    write(behind, to_z)
+    write(y, to_y)
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def drawn_to(of, B, drawn, found):  # type: ignore[no-untyped-def]
+    """Write as ``found`` what becomes of a stop once noise is ``drawn`` there."""
+    for i in range(len(of)):
+        found[i] = of[i]
+        for j in range(len(drawn)):
+            found[i] += B[i, j] * drawn[j]

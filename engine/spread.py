@@ -61,13 +61,15 @@ def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
     """Write the spread behind a stop, of the state to ``E`` and of signals to ``Y``; return how many columns it has."""
     n, m, q = len(A), len(H), len(sd)
     for i in range(n):
-        E[i, :columns] = 0.0
+        for j in range(columns):
+            E[i, j] = 0.0
         for k in range(n):
             if A[i, k] != 0.0:  # a dead time is a chain of states, each of which has one slope
                 for j in range(columns):
                     E[i, j] += A[i, k] * D[k, j]
     for i in range(m):
-        Y[i, :columns] = 0.0
+        for j in range(columns):
+            Y[i, j] = 0.0
         for k in range(n):
             if H[i, k] != 0.0:
                 for j in range(columns):
@@ -88,7 +90,12 @@ def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
 def bent(B, G):  # type: ignore[no-untyped-def]
     """Return whether slopes have a bend; the last column is its size."""
     q = B.shape[1] - 1
-    return np.any(B[:, q] != 0.0) or np.any(G[:, q] != 0.0)
+    found = False
+    for i in range(len(B)):
+        found = found or B[i, q] != 0.0
+    for i in range(len(G)):
+        found = found or G[i, q] != 0.0
+    return found
 
 
 @njit(cache=True, error_model="numpy")
@@ -98,18 +105,27 @@ def narrowed(D, columns, size, q):  # type: ignore[no-untyped-def]
         return columns
     L = np.empty((len(D), len(D)))
     columns = compressed(D, columns, size, L)
-    D[:, :columns] = L[:, :columns]
+    for i in range(len(D)):
+        for j in range(columns):
+            D[i, j] = L[i, j]
     return columns
 
 
 @njit(cache=True, error_model="numpy", inner=True)
 def with_room(pool, count):  # type: ignore[no-untyped-def]
     """Return a pool of slopes that has room for one more."""
-    if count < len(pool):
-        return pool
-    larger = np.empty((2 * count, pool.shape[1], pool.shape[2]))
-    larger[:count] = pool
-    return larger
+    return pool if count < len(pool) else first_of(pool, count, 2 * count)
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def first_of(pool, count, room):  # type: ignore[no-untyped-def]
+    """Return a pool with the first ``count`` slopes of another, and ``room`` for so many."""
+    found = np.empty((room, pool.shape[1], pool.shape[2]))
+    for i in range(count):
+        for p in range(pool.shape[1]):
+            for j in range(pool.shape[2]):
+                found[i, p, j] = pool[i, p, j]
+    return found
 
 
 @njit(cache=True, error_model="numpy", inner=True)
@@ -130,7 +146,9 @@ def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # t
     s += r
     e[i], S[i] = off / math.sqrt(s), s
     less = 1.0 / (1.0 + math.sqrt(r / s))
-    own = Y[i, :width].copy()
+    own = np.empty(width)
+    for j in range(width):
+        own[j] = Y[i, j]
     set_right(E, own, width, s, off, less, z, gains[:n, i])
     set_right(Y, own, width, s, off, less, y, gains[n : n + m, i])
     set_right(F, own, width, s, off, less, back, gains[n + m :, i])
@@ -244,7 +262,9 @@ def joint(D, columns, sd, width, bends):  # type: ignore[no-untyped-def]
     """Return the factor of the state that a stretch left from, of what is drawn at its end, and of the bend."""
     n, q = len(D), len(sd)
     F = np.zeros((n + q + 1, D.shape[1]))
-    F[:n, :columns] = D[:, :columns]
+    for i in range(n):
+        for j in range(columns):
+            F[i, j] = D[i, j]
     c = columns
     for j in range(q):
         if sd[j] > 0.0:

@@ -18,7 +18,7 @@ SETTLED = 1e-10  # share by which the variance of a signal may still change from
 SMALLEST = 1e-300  # variance
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def add_product(A, B, out):  # type: ignore[no-untyped-def]
     """Add A B to ``out``, whole rows at once: sums of different columns do not wait for each other."""
     for i in range(len(A)):
@@ -28,7 +28,7 @@ def add_product(A, B, out):  # type: ignore[no-untyped-def]
                     out[i, j] += A[i, k] * B[k, j]
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def time_update(P, A, Q, room):  # type: ignore[no-untyped-def]
     """Replace P by A P A' + Q; ``room`` for what lies between."""
     n = len(P)
@@ -44,7 +44,7 @@ def time_update(P, A, Q, room):  # type: ignore[no-untyped-def]
             P[j, i] = P[i, j]
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def measurement_update(P, h, r, K):  # type: ignore[no-untyped-def]
     """Take in one signal with the row ``h`` of z: write its gain, lower P, return the variance of its innovation."""
     n = len(P)
@@ -65,7 +65,7 @@ def measurement_update(P, h, r, K):  # type: ignore[no-untyped-def]
     return s
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def filtered(kind, A, Q, H, added, unknown, Y, r, z, P, e, S, shown):  # type: ignore[no-untyped-def]
     """Write the innovations ``e``, their variances ``S``, and what the mean has ``shown``, (rows, signals).
 

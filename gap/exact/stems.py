@@ -80,7 +80,7 @@ def left_by_stems(
     below, losses = np.empty(Y.shape), np.empty(len(Y))
     stood, came = np.empty((len(u), count), dtype=np.float32), np.empty((len(Y), count), dtype=np.int32)
     _banked(one.F, one.v, one.told, one.H, one.last, one.start, u, Y, every, K, s, of_OP, q, G, b, g, p, moved, known,
-            S, J, draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
+            float(S), float(J), draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
     row_of = np.full(len(u), -1)
     row_of[::every] = np.arange(len(Y))
     return _deviates(below), losses, likely_path(stood, came, row_of)
@@ -144,13 +144,13 @@ def _deviates(below: Floats) -> Floats:
     return np.asarray(ndtri(np.clip(below, 1e-15, 1.0 - 1e-15)))
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def normal(x):  # type: ignore[no-untyped-def]
     """Return the distribution function of a normal deviate."""
     return 0.5 * math.erfc(-x / math.sqrt(2.0))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def stuck(x, told, S, J, repeats):  # type: ignore[no-untyped-def]
     """Return where a stem stands after its input has become an opening; ``repeats`` is its breakaway over the mean
     one.
@@ -161,7 +161,7 @@ def stuck(x, told, S, J, repeats):  # type: ignore[no-untyped-def]
     return x
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _settled(A, Q, H, r, v, every, G, R, K, s, of_OP, q, g, p, moved):  # type: ignore[no-untyped-def]
     """Write gains and variances of rows, ``K`` and ``s``, of OP at each scan, ``of_OP`` and ``q``, and what leads OP.
 
@@ -183,7 +183,7 @@ def _settled(A, Q, H, r, v, every, G, R, K, s, of_OP, q, g, p, moved):  # type: 
             time_update(P, A, Q, room)
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def _summed(row, R, u, out):  # type: ignore[no-untyped-def]
     """Write ``row`` times what each stem has, ``R`` (states, stems), and times what all share, ``u``."""
     out[:] = 0.0
@@ -198,22 +198,26 @@ def _summed(row, R, u, out):  # type: ignore[no-untyped-def]
     out += shared
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, inner=True, error_model="numpy")
 def _weighed(w, more, largest):  # type: ignore[no-untyped-def]
-    """Multiply weights by exp(more), ``largest`` its largest; return the logarithm of their sum, which is 1 then."""
+    """Multiply weights by exp(more), ``largest`` its largest; return the logarithm of their sum, which is 1 then.
+
+    ``more`` is used up: it holds the factors behind.
+    """
     total = 0.0
     for i in range(len(w)):
-        total += w[i] * math.exp(more[i] - largest)
+        more[i] = math.exp(more[i] - largest)
+        total += w[i] * more[i]
     if not total > 0.0:  # every stem that counted is excluded: none counts more than another
         w[:] = 1.0 / len(w)
         for i in range(len(w)):
-            total += w[i] * math.exp(more[i] - largest)
+            total += w[i] * more[i]
     for i in range(len(w)):
-        w[i] *= math.exp(more[i] - largest) / total
+        w[i] *= more[i] / total
     return largest + math.log(total)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _banked(  # type: ignore[no-untyped-def]
     F, v, told, H, last, start, U, Y, every, K, s, of_OP, q, G, b, g, p, moved, known, S, J, draws, turns, repeats,
     again, kept, e, loss, stood, came,

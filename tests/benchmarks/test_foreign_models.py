@@ -1,14 +1,23 @@
 """The models of the foreign plants, wired from data sheets by another hand, follow the records of these plants."""
 
+from functools import cache
+
+import numpy as np
 import pytest
 
 from benchmarks.foreign.record import record
 from benchmarks.foreign_models.following import MODELS, behind_switches, following, model, played, silent
 
 
+@cache
+def signals_of(plant: str, seed: int = 0) -> dict[str, np.ndarray]:
+    """Return the signals of a record without an effect, with noise and loads as stated; made once for all tests."""
+    return dict(record(plant, "none", 0.0, seed, 1.0, 1.0).signals)
+
+
 @pytest.mark.parametrize("plant", MODELS)
 def test_a_model_has_the_signals_of_the_log(plant: str) -> None:
-    logged = set(record(plant, "none", 0.0, 0, 1.0, 1.0).signals) - {"time"}
+    logged = set(signals_of(plant)) - {"time"}
     diagram = model(plant)
     assert set(diagram.open_inputs) <= logged
     # FA and RATIO are what the ratio station makes SP of, which is the model's input
@@ -29,7 +38,7 @@ def test_factors_multiply_what_is_stated(plant: str) -> None:
 @pytest.mark.parametrize("plant", MODELS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_record_is_as_far_from_its_model_as_the_model_s_own_records(plant: str, seed: int) -> None:
-    for name, (distance, own) in following(model(plant), record(plant, "none", 0.0, seed, 1.0, 1.0).signals).items():
+    for name, (distance, own) in following(model(plant), signals_of(plant, seed)).items():
         assert 0.6 < distance / own < 1.5, name  # analytic: 1 but for luck
 
 
@@ -38,7 +47,7 @@ def test_a_wrong_controller_does_not_follow(plant: str) -> None:
     wrong = model(plant)
     controller = next(block for block in wrong.blocks if str(block.role) == "controller")
     wrong = wrong.with_params({f"{controller.name}.T_i": 3.0 * controller.params["T_i"]})
-    found = following(wrong, record(plant, "none", 0.0, 0, 1.0, 1.0).signals)
+    found = following(wrong, signals_of(plant))
     assert max(distance / own for distance, own in found.values()) > 1.5
 
 
@@ -52,7 +61,7 @@ def test_without_noise_and_load_a_plant_is_its_model_to_the_digits_of_its_log(pl
 
 
 def test_without_noise_and_loads_a_model_repeats_itself() -> None:
-    signals = record("gas_pressure", "none", 0.0, 0, 1.0, 1.0).signals
+    signals = signals_of("gas_pressure")
     still = silent(model("gas_pressure"))
     first, again = played(still, signals), played(still, signals)
     assert all((first[name] == again[name]).all() for name in first)

@@ -60,10 +60,21 @@ def with_effects(recorded, logged):
 
 @pytest.fixture(scope="session")
 def site_record():
-    """Simulate a loop of a site, by default its flow loop, as its historian would log it, a row every 5 s, for 2 h."""
+    """Simulate a loop of a site, by default its flow loop, as its historian would log it, a row every 5 s."""
 
-    def record(name="", place="", seed=2, loop=site_flow, middle=1.5, reach=0.45, digit=0.0015, stem=False, **values):
-        t = np.arange(0.0, 7201.0, 5.0)
+    def record(
+        name="",
+        place="",
+        seed=2,
+        loop=site_flow,
+        middle=1.5,
+        reach=0.45,
+        digit=0.0015,
+        stem=False,
+        hours=1.25,
+        **values,
+    ):
+        t = np.arange(0.0, 3600.0 * hours + 1.0, 5.0)
         SP = np.repeat(np.random.default_rng(seed).uniform(middle - reach, middle + reach, 29).round(2), 50)[: len(t)]
         SP[:50] = middle
         model = loop(rest=middle)

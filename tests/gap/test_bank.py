@@ -73,7 +73,7 @@ def test_the_stem_with_mass_of_a_tank_is_named():
     """The log is that of a law of its own: mass, viscous and Coulomb friction."""
     valve = StickSlip(k=1.0, M=1e-6, F_v=5e-3, F_c=2.5, F_s=4.0, high=100.0, start=50.0)
     catalogue = [one for one in CATALOGUE if one.name in ("stiction", "deadband", "valve_gain")]
-    cause = diagnose(tank(IdealValve()), logged(valve), catalogue=catalogue, limits=False).causes[0]
+    cause = diagnose(tank(IdealValve()), logged(valve, 450), catalogue=catalogue, limits=False).causes[0]
     assert (cause.effect, cause.place) == ("stiction", "valve")
     assert cause.parameters["S"].value == pytest.approx(6.5, rel=0.05)
     assert cause.parameters["S"].low < cause.parameters["S"].value < cause.parameters["S"].high

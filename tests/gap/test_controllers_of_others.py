@@ -46,7 +46,7 @@ def test_an_effect_does_what_a_plant_in_plain_numpy_does(name):
 @pytest.mark.parametrize(("name", "root"), [("setpoint_ramp", False), ("gain_schedule", True), ("lead", False)])
 def test_it_is_named_with_its_size(name, root):
     place, key, size = SIZES[name]
-    log, known = logged(name, size, root=root, duration=3600.0), [effect(one) for one in ALIKE]
+    log, known = logged(name, size, root=root, duration=2700.0), [effect(one) for one in ALIKE]
     report = diagnose(model(root), log, catalogue=known, limits=False)
     (cause,) = report.causes
     assert (cause.effect, cause.place) == (name, place)

@@ -99,7 +99,8 @@ def test_a_deadband_has_its_width_and_no_jump(site_record):
 
 def stem_only(model, setting, seed):
     made = record(setting, ["stiction"], "typical", seed)
-    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    half = slice(len(made.signals["time"]) // 2)
+    log = Log(made.signals["time"][half], {s: made.signals[s][half] for s in ("SP", "PV", "OP")})
     return diagnose(model, log, catalogue=known("stiction", "deadband", "sensor_noise"))
 
 

@@ -4,6 +4,7 @@ S and J are those that the stems were given.  A stem that creeps, or that is not
 shows S - J only: then its S lies within the interval that is told.
 """
 
+import numpy as np
 import pytest
 from stickslip.blocks import (
     ChenValve,
@@ -27,6 +28,8 @@ ONES = [effect(name) for name in NAMES]
 CREEPING = {
     "LuGreStem": lambda: [LuGreStem(F_S, F_C, start=0.5)],
     "KanoValve": lambda: [KanoValve(S / 100.0, J / 100.0, dt=1.0, start=0.5)],
+}
+SAME = {  # as Kano's here, so that its diagnosis is theirs
     "ChoudhuryValve": lambda: [ChoudhuryValve(S / 100.0, J / 100.0, dt=1.0, start=0.5)],
     "ChenValve": lambda: [ChenValve(S / 100.0, J / 100.0, dt=1.0, start=0.5)],
 }
@@ -62,6 +65,13 @@ def test_a_stem_that_shows_its_play_only_is_named_with_an_interval_that_has_its_
     shown = cause.parameters["S"]
     assert shown.low <= S <= shown.high
     assert shown.value == pytest.approx(S - J, rel=0.1)
+
+
+@pytest.mark.parametrize("law", SAME)
+def test_a_stem_of_a_law_like_kanos_leaves_the_same_log(law):
+    one, kano = (log_of(*stem(), duration=2400.0) for stem in (SAME[law], CREEPING["KanoValve"]))
+    for signal in ("OP", "PV"):
+        np.testing.assert_array_equal(one[signal], kano[signal])
 
 
 @pytest.mark.parametrize("law", OUTSIDE)

@@ -59,7 +59,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize("words", MISTAKES)
 def test_a_mistake_in_the_log_is_said(words: str) -> None:
-    log = site_log()
+    log = site_log(hours=0.5)
     signals = {s: log[s] for s in ("SP", "PV", "OP")}
     assert words in hint(site_flow(), log.t, {**signals, **MISTAKES[words](signals)})
 
@@ -76,7 +76,7 @@ def test_a_controller_that_acts_the_other_way_is_said() -> None:
 
 
 def test_the_integral_of_the_other_error_is_said() -> None:
-    diagram, log = site_flow(), site_log("none")  # the plain program sums the present error
+    diagram, log = site_flow(), site_log("none", hours=0.5)  # the plain program sums the present error
     other = diagram.replace("controller", diagram["controller"].with_params(present=0.0))
     assert 'integral="present"' in hint(other, log.t, {s: log[s] for s in ("SP", "PV", "OP")})
 

@@ -18,7 +18,7 @@ STATED = {"sd": 0.018, "time": 45.0, "noise": 0.003}  # wrong by 1.8, 2.2 and 1.
 
 @pytest.mark.parametrize(("scanned", "known"), [(True, CATALOGUE), (False, FEW)], ids=["scanned", "continuous"])
 def test_a_load_of_another_size_than_stated_is_a_note_and_no_gap(scanned: bool, known: Sequence[Effect]) -> None:
-    log = logged(tank(scanned), 11, duration=3600.0)
+    log = logged(tank(scanned), 11, duration=2400.0)
     report = diagnose(tank(scanned, **STATED), log, catalogue=known, limits=False)
     assert not report.gap
     assert any("feed.sd is stated as 0.018" in note for note in report.notes)
@@ -38,7 +38,7 @@ def test_effects_are_in_the_named_set_with_their_size(
     name: str, place: str, size: dict[str, float], scanned: bool, known: Sequence[Effect]
 ) -> None:
     true = effect(name).insert(tank(scanned), place, **size)
-    log = logged(true, 12, duration=3600.0)
+    log = logged(true, 12, duration=2400.0)
     report = diagnose(tank(scanned, **STATED), log, catalogue=known, limits=False)
     assert report.gap and report.where is not None
     (cause,) = report.causes

@@ -33,7 +33,8 @@ def test_beside_a_load_a_lag_is_any_of_its_class():
     # analytic: a lag behind the feed moves the phase of what enters there, one before it does not
     lags = {"positioner_lag", "second_lag", "sensor_lag"}
     made = record("ideal", ("second_lag", "sine_disturbance"), "typical", 9100)
-    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    half = slice(len(made.signals["time"]) // 2)
+    log = Log(made.signals["time"][half], {s: made.signals[s][half] for s in ("SP", "PV", "OP")})
     known = [effect(name) for name in (*sorted(lags), "sine_disturbance", "dead_time")]
     causes = diagnose(ideal_flow(), log, catalogue=known, limits=False, progress=False).causes
     sets = [{cause.effect, *cause.ambiguous_with} for cause in causes]

@@ -91,11 +91,11 @@ def test_a_lag_in_a_loop_of_second_order_with_dead_time_is_named(site_record):
 
 def test_a_small_sine_into_a_level_is_named_and_nothing_where_there_is_none(site_record):
     catalogue = known("sine_disturbance", "sensor_drift", "controller_gain", "sensor_noise")
-    log = site_record("sine_disturbance", "feed", **LEVEL, amplitude=0.012, period=500.0, phase=0.3)
+    log = site_record("sine_disturbance", "feed", **LEVEL, amplitude=0.012, period=500.0, phase=0.3, hours=2.0)
     cause = diagnose(level_loop(), log, catalogue=catalogue).causes[0]
     assert cause.effect == "sine_disturbance"
     assert cause.parameters["amplitude"].value == pytest.approx(0.012, rel=0.3)
-    assert not diagnose(level_loop(), site_record(**LEVEL), catalogue=catalogue).gap
+    assert not diagnose(level_loop(), site_record(**LEVEL, hours=2.0), catalogue=catalogue).gap
 
 
 def test_a_coarse_sensor_of_a_level_is_named(site_record):

@@ -43,7 +43,7 @@ def test_a_slow_scan_is_named_with_its_period(site_record, period):
 
 
 def test_what_leaves_the_same_log_as_a_bias_is_named_with_it_however_small(site_record):
-    log = site_record("valve_leak", "valve", flow=2.5)
+    log = site_record("valve_leak", "valve", flow=2.5, hours=2.0)
     cause = diagnose(site_flow(), log, catalogue=known("valve_leak", "sensor_bias", "sensor_noise")).causes[0]
     assert {cause.effect, *cause.ambiguous_with} == {"valve_leak", "sensor_bias"}
 

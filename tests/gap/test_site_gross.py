@@ -23,7 +23,7 @@ def known(*names):
 
 def test_a_valve_that_stops_short_for_a_quarter_of_the_time_is_named(site_record):
     # OP winds up while the stem stands at its stop: no row says where that is but those at which flow stops following
-    log = site_record("valve_saturation", "valve", high=52.0)
+    log = site_record("valve_saturation", "valve", high=52.0, hours=2.0)
     assert (log["OP"] > 0.52).mean() > 0.2
     few = known("valve_saturation", "valve_gain", "valve_rate_limit", "sensor_noise")
     (cause,) = diagnose(site_flow(), log, catalogue=few).causes
@@ -43,7 +43,7 @@ def test_a_sine_of_five_rows_is_named(site_record):
 def test_stems_that_must_not_stick_do_not_keep_fits_from_being_made(site_record):
     # a stop far from the model leaves a bank of stems that do not stick far worse than a single filter: what sticking
     # stems gain over those is no nll that anything could come to
-    log = site_record("valve_saturation", "valve", high=52.0)
+    log = site_record("valve_saturation", "valve", high=52.0, hours=2.0)
     found = outcome(frame_of(*read(site_flow(), log)), known("valve_saturation", "valve_gain", "stiction", "deadband"))
     assert found.fits[0].hypothesis.effect.name == "valve_saturation"
     assert math.isfinite(found.fits[0].sd["high"])

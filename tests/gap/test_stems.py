@@ -113,8 +113,8 @@ def test_a_gap_of_a_logged_stem_lies_at_the_valve_whatever_its_cause(recorded):
 def test_a_stem_in_a_coarse_log_is_told_by_the_level_of_pv(severity, seed):
     # oracle: a program that shares no code with this one; OP is rounded to 0.1 %, which no wrong mode exceeds
     made = record("coarse", ["stiction"], severity, seed)
-    half = slice(len(made.signals["time"]) // 2)
-    log = Log(made.signals["time"][half], {s: made.signals[s][half] for s in ("SP", "PV", "OP")})
+    third = slice(len(made.signals["time"]) // 3)
+    log = Log(made.signals["time"][third], {s: made.signals[s][third] for s in ("SP", "PV", "OP")})
     (cause,) = diagnose(ideal_flow(), log, catalogue=STEMS, limits=False).causes
     assert cause.effect == "stiction"
     assert cause.parameters["S"].value == pytest.approx(made.effects["stiction"]["S"], rel=0.03)

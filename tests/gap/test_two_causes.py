@@ -44,7 +44,7 @@ def test_two_effects_are_named_where_only_the_likelihood_follows_the_loop():
         ("sensor_lag", "sensor", {"tau": 12.0}),
     ):
         both = effect(name).insert(both, place, **size)
-    report = diagnose(tank(), logged(both, 8), catalogue=FEW, limits=False)
+    report = diagnose(tank(), logged(both, 8, duration=3600.0), catalogue=FEW, limits=False)
     causes = found(report)
     assert len(report.causes) == 2
     assert causes["controller_gain"]["factor"].value == pytest.approx(1.4, rel=0.05)

@@ -36,6 +36,9 @@ def test_an_effect_is_named():
     assert report.where.confidence_set == ("valve",) and report.causes[0].effect == "valve_gain"
 
 
+LAGS = ("dead_time", "second_lag", "sensor_lag", "positioner_lag", "process_time_constant")
+GAINS = ("controller_gain", "controller_integral_time", "process_gain", "setpoint_filter", "setpoint_ramp", "scan_time")
+RIVALS = [effect(name) for name in ("stiction", "deadband", *GAINS, *LAGS)]  # of a switch, or of what is put in
 BETWEEN = 237.3  # [s]: every level of the set point begins between two rows
 
 
@@ -69,7 +72,7 @@ def test_a_coarse_log_of_such_set_points_leaves_no_gap():
 )  # fmt: skip
 def test_an_effect_beside_instants_between_rows_is_named(name, place, values):
     log = switched(effect(name).insert(ideal_flow(rest=1.2), place, **values), duration=1800.0)
-    report = diagnose(ideal_flow(), log, limits=False)
+    report = diagnose(ideal_flow(), log, catalogue=RIVALS, limits=False)
     assert [(cause.effect, cause.place) for cause in report.causes] == [(name, place)], report
     for key, size in values.items():
         assert report.causes[0].parameters[key].value == pytest.approx(size, rel=0.05)

@@ -58,7 +58,7 @@ def test_the_bank_finds_the_stem_that_moved(follows, valve):
 
 @pytest.fixture(scope="module")
 def found():
-    record = sticky(hours=4.0, seed=3)
+    record = sticky(hours=2.0, seed=3)
     day = day_of(record.t, record.op, record.pv, record.sp)
     without = best_without([day], False, 1.0)
     return day, without[0], best_with([day], without, 4.0)
