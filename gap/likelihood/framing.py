@@ -3,7 +3,9 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 from stickslip.diagram.diagram import Diagram
+from stickslip.engine.restarts import standing
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.frame import Frame
@@ -15,10 +17,11 @@ from stickslip.gap.likelihood.settling import SETTLING
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
-from stickslip.gap.records.record import Record
+from stickslip.gap.records.record import Record, switch_rows
 from stickslip.gap.records.regular import without_unsettled
 from stickslip.gap.records.start import ROWS, start_values
 
+RESTING = 20  # rows in which a model that rests is left alone
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
 
 
@@ -42,16 +45,19 @@ def followed(model: Diagram, record: Record) -> Innovations | None:
     record = settled_behind_holes(quiet, record)
     fitted = start_values(quiet, record)
     try:
-        found = {cost: _from_start(Frame(Given(model.starting_at(start)), record))
-                 for start, cost in (({}, 0.0), (fitted, 0.5 * len(fitted) * math.log(ROWS)))}  # fmt: skip
+        stated = _from_start(Frame(Given(model), record), True)
+        other = _from_start(Frame(Given(model.starting_at(fitted)), record))
     except NoFilter:
         return None
-    each = [(one.nll + cost, one) for cost, one in found.items() if one is not None]
-    return min(each, key=lambda known: known[0], default=(math.inf, None))[1]
+    if stated is None or (other is not None and other.nll + 0.5 * len(fitted) * math.log(ROWS) < stated.nll):
+        return other
+    return stated
 
 
-def _from_start(frame: Frame) -> Innovations | None:
+def _from_start(frame: Frame, may_rest: bool = False) -> Innovations | None:
     """Return what the model alone leaves; None where no filter follows the record from such a start.
+
+    ``may_rest``: whether the model is asked if it rests there, before its inputs first switch.
 
     Raises ``NoFilter`` for a model that has none from any.
     """
@@ -63,9 +69,22 @@ def _from_start(frame: Frame) -> Innovations | None:
         alone = Hypothesis(replace(frame, doubts=rounded(frame.record)))
         if len(frame.model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
             raise NoFilter(f"the model has more than {MOST_BLOCKS} blocks or {MOST_STATES} states")
-        return alone.filtered({})
+        return (_resting(alone) if may_rest else alone).filtered({})
     except ArithmeticError:
         return None
+
+
+def _resting(alone: Hypothesis) -> Hypothesis:
+    """Return the model alone with the time until which it rests, if it does."""
+    frame = alone.frame
+    log = frame.record.log
+    first = min((int(k) for s in frame.record.played for k in switch_rows(log, s)[:1]), default=len(log))
+    until = float(log.t[min(first - 1, RESTING, len(log) - 1)])
+    blocks = alone.blocks_with(alone.nominal)
+    found = alone.at_rest(blocks, until) if first > 1 else None
+    start = standing(alone.prepared.fresh(float(log.t[0]), blocks)[1], alone.places[0])
+    still = found is not None and np.array_equal(found, start)
+    return replace(alone, frame=replace(frame, rests=until)) if still else alone
 
 
 def settled_behind_holes(quiet: Diagram, record: Record) -> Record:

@@ -11,6 +11,7 @@ from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import Exact
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import given
+from stickslip.gap.insertion.scales import ends
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.records.model import nuisances, silenced
 
@@ -66,12 +67,24 @@ class Statement:
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Parameter -> (low, high): those of the effect, then what is free in every fit."""
         own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
+        largest = self._unstated_span
+        if self.effect is not None and largest > 1.0:
+            own |= {p.name: (p.low * largest, p.high * largest) for p in self.effect.parameters if p.per == "span"}
         shown, values, zero, to_unit = self.reached if self.bends else ("", np.zeros(0), 0.0, 1.0)
         if shown:  # a limit is where the log goes, whatever spans are stated
             reach = BEYOND * float(np.ptp(values))
             lowest, highest = (float((end - zero) * to_unit) for end in (values[0] - reach, values[-1] + reach))
             own = {name: (min(low, lowest), max(high, highest)) for name, (low, high) in own.items()}
         return own | self.frame.free
+
+    @property
+    def _unstated_span(self) -> float:
+        """The largest value of a logged signal whose span no block states, 0 where one does: PV may be in any unit."""
+        f, outputs = self.frame, self.frame.model[self.place].output_labels if self.place else ()
+        signal = str(outputs[0]) if outputs else ""
+        if signal not in f.signals or ends(f.model, signal) is not None:
+            return 0.0
+        return float(np.max(np.abs(np.nan_to_num(f.Y[:, f.signals.index(signal)])), initial=0.0))
 
     @cached_property
     def reached(self) -> tuple[str, Floats, float, float]:
