@@ -22,6 +22,13 @@ def private_fields(source: str) -> list[str]:
     for function in ast.walk(parsed(source)):
         if not isinstance(function, ast.FunctionDef | ast.Module):
             continue
+        own = [
+            node
+            for node in _own_nodes(function)
+            if isinstance(node, ast.Attribute) and node.attr.startswith("_") and not node.attr.startswith("__")
+        ]
+        if not own:
+            continue
         copies = {
             node.targets[0].id
             for node in ast.walk(function)
@@ -29,9 +36,8 @@ def private_fields(source: str) -> list[str]:
             and isinstance(node.targets[0], ast.Name)
             and ast.unparse(node.value).startswith(("self._copy()", "copy.copy(self)", "type(self)(", "super()."))
         }
-        for node in _own_nodes(function):
-            private = isinstance(node, ast.Attribute) and node.attr.startswith("_") and not node.attr.startswith("__")
-            if private and node.attr not in DOCUMENTED:
+        for node in own:
+            if node.attr not in DOCUMENTED:
                 base = ast.unparse(node.value)
                 found += [] if base in {"self", "cls", "super()"} | copies else [ast.unparse(node)]
     return found
