@@ -68,7 +68,7 @@ def _clocks(diagram: Diagram, log: Log, signal: str) -> Iterator[tuple[Mistake, 
 def _left(one: Mistake) -> Loss:
     """Return L of a log, and the mean of ln(1 + e^2); infinite where no filter follows it."""
     try:
-        left = followed(*read(one.diagram, one.log))
+        left = followed(*read(one.diagram, one.log), roughly=True)
     except (GapError, ArithmeticError, ValueError):
         return NOWHERE
     if left is None:

@@ -31,8 +31,10 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
     return found.hypothesis.frame if found else None
 
 
-def followed(model: Diagram, record: Record) -> Innovations | None:
+def followed(model: Diagram, record: Record, roughly: bool = False) -> Innovations | None:
     """Return what the model alone leaves of a record, from the likelier start; None where no filter follows it.
+
+    ``roughly``: no other start is asked where the stated one is not far from the log.
 
     It starts as it is stated, or so that its first rows suit the log, which costs its price: loads and noise of these
     rows move what a log hardly feels, as a hidden slow state, to anywhere.
@@ -43,9 +45,11 @@ def followed(model: Diagram, record: Record) -> Innovations | None:
         return None
     quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
-    fitted = start_values(quiet, record)
     try:
         stated = _from_start(Frame(Given(model), record), True)
+        if roughly and stated is not None and not stated.gross:
+            return stated
+        fitted = start_values(quiet, record)
         other = _from_start(Frame(Given(model.starting_at(fitted)), record))
     except NoFilter:
         return None
