@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.hints.mistakes import Mistake, late, of_controllers, of_units
-from stickslip.gap.likelihood.framing import followed
+from stickslip.gap.likelihood.framing import frame_of
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.gap.records.record import GapError, switches
 from stickslip.logs import Log
@@ -68,13 +69,13 @@ def _clocks(diagram: Diagram, log: Log, signal: str) -> Iterator[tuple[Mistake, 
 def _left(one: Mistake) -> Loss:
     """Return L of a log, and the mean of ln(1 + e^2); infinite where no filter follows it."""
     try:
-        left = followed(*read(one.diagram, one.log), roughly=True)
+        frame = frame_of(*read(one.diagram, one.log), asked=False)
+        if frame is None:
+            return NOWHERE
+        left = Hypothesis(frame).filtered({})
     except (GapError, ArithmeticError, ValueError):
         return NOWHERE
-    if left is None:
-        return NOWHERE
-    skipped = left.hypothesis.frame.skipped
-    return size_of(left.e[skipped:], left.S[skipped:], one.density)
+    return size_of(left.e[frame.skipped :], left.S[frame.skipped :], one.density)
 
 
 def size_of(e: Floats, S: Floats, density: float) -> Loss:

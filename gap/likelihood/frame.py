@@ -34,15 +34,13 @@ class Frame(Held):
     """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
     ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most;
-    ``doubts`` what the log does not tell of its inputs; ``rests`` until when [s] the model rests, as it is stated and
-    started, nan where it does not: then every hypothesis begins where its own plant would rest.
+    ``doubts`` what the log does not tell of its inputs.
     """
 
     apart: bool = False
     seen: float = 1.0
     draws: int = DRAWS
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
-    rests: float = math.nan
 
     @property
     def replays(self) -> bool:

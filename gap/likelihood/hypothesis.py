@@ -13,14 +13,12 @@ from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, UNSURE
-from stickslip.gap.fits.loads import is_load
 from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.path import Path, complain
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.replay import Replays, left_by_replays
-from stickslip.gap.likelihood.rest import resting
 from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.records.record import Record
 
@@ -73,10 +71,9 @@ class Hypothesis(Statement):
         if exactly is not None:
             return exactly
         p, near = self.prepared, None if near is None else near.followed
-        blocks = self.blocks_with(full)
-        I, W = p.fresh(float(f.stops[0][0]), blocks)
+        I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
         phi, sd = self.noise_with(full)
-        z = self._begun(blocks, standing(W, self.places[0]))
+        z = standing(W, self.places[0])
         n, m, q = len(z), len(f.signals), len(p.noise)
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
@@ -200,20 +197,6 @@ class Hypothesis(Statement):
             drawn[:, j] = sd * np.sqrt(np.maximum(1.0 - phi[:, j] ** 2, 0.0))
             drawn[0, j] = sd
         return phi, drawn
-
-    def _begun(self, blocks: tuple[Block, ...], z: Floats) -> Floats:
-        """Return where a filter begins: where the plant rests if the model starts at rest, else as that starts.
-
-        A load that has a plan, or a stem that sticks, leads to no place of rest.
-        """
-        moves = self.sticks or (self.effect is not None and is_load(self.effect))
-        found = None if moves or math.isnan(self.frame.rests) else self.at_rest(blocks, self.frame.rests)
-        return z if found is None else found
-
-    def at_rest(self, blocks: tuple[Block, ...], until: float) -> Floats | None:
-        """Return where its plant rests from the first row until some time, None where nowhere."""
-        noises, span = self.places[0, self.where], (float(self.frame.stops[0][0]), until)
-        return resting(self.prepared, blocks, self.places, noises, span)
 
     def _start(self, z: Floats) -> tuple[Floats, Floats]:
         """Return the size of each state, and a factor of what is not known of it at the start, (states, columns)."""
