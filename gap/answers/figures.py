@@ -22,10 +22,12 @@ def plot_residuals(report: "GapReport") -> "Figure":
     figure = Picture(figsize=(9.0, 0.9 + 1.9 * len(report.residuals)), layout="constrained")
     panels = figure.subplots(len(report.residuals), 1, sharex=True, squeeze=False)[:, 0]
     scale, unit = time_unit(float(report.t[-1] - report.t[0]))
+    said = _with_what(report)
     for panel, (signal, both) in zip(panels, report.residuals.items(), strict=True):
-        for values, colour, label in zip(both, (RED, GREEN), ("model as it is", "with the cause"), strict=True):
-            if label == "with the cause" and not report.causes:
-                continue
+        made = [("model as it is", RED, both[0])]
+        if report.causes and said:
+            made.append((said, GREEN, both[1]))
+        for label, colour, values in made:
             shown = np.clip(values, -HIGHEST, HIGHEST)
             panel.plot(*thinned(report.t / scale, shown), color=colour, linewidth=0.6, label=label)
         panel.set_yscale("symlog", linthresh=3.0)
@@ -39,3 +41,13 @@ def plot_residuals(report: "GapReport") -> "Figure":
     panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False, borderpad=0.1)
     panels[-1].set_xlabel(f"time [{unit}]")
     return figure
+
+
+def _with_what(report: "GapReport") -> str:
+    """Return which effects the second residuals are with: the causes, else the nearest effect; "" for none."""
+    from stickslip.gap.answers.report import UNKNOWN
+
+    names = [cause.effect for cause in report.causes if cause.effect != UNKNOWN]
+    if names:
+        return f"with {' and '.join(names)}"
+    return f"with {report.ranking[0].effect}, the nearest effect" if report.ranking else ""

@@ -1,6 +1,7 @@
 """The whole way from a log to a report, on short records and with a few effects."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,8 +107,18 @@ def test_a_block_alone_is_no_model():
 
 def test_the_pictures_show_the_place(recorded):
     report = diagnose(ideal_flow(), recorded("sensor_bias", "sensor", offset=0.03), catalogue=FEW[-1:], progress=False)
-    assert [ax.get_ylabel().split("\n")[0] for ax in report.plot().axes] == ["residual of PV", "residual of OP"]
+    panels = report.plot().axes
+    assert [ax.get_ylabel().split("\n")[0] for ax in panels] == ["residual of PV", "residual of OP"]
+    assert [text.get_text() for text in panels[0].get_legend().get_texts()] == ["model as it is", "with sensor_bias"]
     assert report.plot_diagram().axes
+
+
+def test_the_picture_of_an_unknown_gap_says_with_which_effect_it_is(recorded):
+    # expected before: "with the cause", of which there is none
+    report = diagnose(ideal_flow(), recorded("sensor_bias", "sensor", offset=0.03), catalogue=FEW[-1:], progress=False)
+    unknown = replace(report, causes=(replace(report.causes[0], effect="unknown"),))
+    texts = unknown.plot().axes[0].get_legend().get_texts()
+    assert texts[1].get_text() == "with sensor_bias, the nearest effect"
 
 
 def test_noise_may_be_one_of_two(recorded):
