@@ -67,9 +67,10 @@ class Statement:
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Parameter -> (low, high): those of the effect, then what is free in every fit."""
         own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
-        largest = self._unstated_span
-        if self.effect is not None and largest > 1.0:
-            own |= {p.name: (p.low * largest, p.high * largest) for p in self.effect.parameters if p.per == "span"}
+        spanned = [p for p in self.effect.parameters if p.per == "span"] if self.effect else []
+        largest = self._unstated_span() if spanned else 0.0
+        if largest > 1.0:
+            own |= {p.name: (p.low * largest, p.high * largest) for p in spanned}
         shown, values, zero, to_unit = self.reached if self.bends else ("", np.zeros(0), 0.0, 1.0)
         if shown:  # a limit is where the log goes, whatever spans are stated
             reach = BEYOND * float(np.ptp(values))
@@ -77,10 +78,9 @@ class Statement:
             own = {name: (min(low, lowest), max(high, highest)) for name, (low, high) in own.items()}
         return own | self.frame.free
 
-    @property
     def _unstated_span(self) -> float:
-        """The largest value of a logged signal whose span no block states, 0 where one does: PV may be in any unit."""
-        f, outputs = self.frame, self.frame.model[self.place].output_labels if self.place else ()
+        """Return the largest value of a logged signal whose span no block states, 0 where one does: PV has any unit."""
+        f, outputs = self.frame, self.frame.model[self.place].output_labels
         signal = str(outputs[0]) if outputs else ""
         if signal not in f.signals or ends(f.model, signal) is not None:
             return 0.0
