@@ -25,6 +25,8 @@ def in_threads(
     [9, 1, 4]
     """
     each, found = list(items), list[Result]()
+    if not each:
+        return found
     many = min(cores(), len(each))
     pool = ThreadPoolExecutor(many, initializer=_begin) if many > 1 and not hasattr(_own, "works") else None
     with reporting(progress, len(each), what) as tell:
