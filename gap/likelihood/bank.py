@@ -12,6 +12,7 @@ from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of
 from stickslip.gap.likelihood.path import complain
+from stickslip.gap.likelihood.threads import go_on
 
 Floats = NDArray[np.float64]
 DRAWN = 8  # times as many stems where each draws what the controllers give
@@ -26,6 +27,7 @@ def left_by_bank(
 
     Raises ``ArithmeticError`` where a run of the diagram fails, or the ``best`` of the same rows is far ahead.
     """
+    go_on()
     exactly = _in_linear_loop(one, {**one.nominal, **values}, count)
     if exactly is not None:
         return exactly

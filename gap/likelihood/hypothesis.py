@@ -20,6 +20,7 @@ from stickslip.gap.likelihood.path import Path, complain
 from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
+from stickslip.gap.likelihood.threads import go_on
 from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
@@ -58,6 +59,7 @@ class Hypothesis(Statement):
 
         Raises ``ArithmeticError`` where a run of the diagram fails, slopes take more runs, or the best is far ahead.
         """
+        go_on()
         f = self.frame
         full = {**self.nominal, **values}
         if f.replays:

@@ -28,7 +28,8 @@ def in_threads(
     if not each:
         return found
     many = min(cores(), len(each))
-    pool = ThreadPoolExecutor(many, initializer=_begin) if many > 1 and not hasattr(_own, "works") else None
+    stop = threading.Event()
+    pool = ThreadPoolExecutor(many, initializer=_begin, initargs=(stop,)) if many > 1 and not _inside() else None
     with reporting(progress, len(each), what) as tell:
         try:
             results = pool.map(work, each) if pool else map(work, each)
@@ -37,10 +38,21 @@ def in_threads(
                 found.append(next(results))
             tell(len(each), len(each))
         finally:
+            stop.set()
             if pool is not None:
                 pool.shutdown(cancel_futures=True)
     return found
 
 
-def _begin() -> None:
-    _own.works = True
+def go_on() -> None:
+    """End the work of a thread that nobody waits for any more, after Ctrl-C or an error: a fit takes a minute."""
+    if _inside() and _own.stop.is_set():
+        raise KeyboardInterrupt
+
+
+def _inside() -> bool:
+    return hasattr(_own, "stop")
+
+
+def _begin(stop: threading.Event) -> None:
+    _own.stop = stop

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood.threads import in_threads
+from stickslip.gap.likelihood.threads import go_on, in_threads
 
 from tests.gap.root_tank import logged, tank
 
@@ -60,6 +60,23 @@ def test_an_error_is_raised_and_progress_says_what_is_done(count):
         with pytest.raises(ZeroDivisionError):
             in_threads(lambda x: 1 / x, [1, 0, 2])
     assert said == [(0, 2), (1, 2), (2, 2)]
+
+
+@several
+def test_work_that_nobody_waits_for_ends():
+    def work(k):
+        if k == 0:
+            time.sleep(0.1)
+            raise ZeroDivisionError
+        began = time.monotonic()
+        while time.monotonic() - began < 60.0:
+            go_on()
+            time.sleep(0.01)
+
+    began = time.monotonic()
+    with on(2), pytest.raises(ZeroDivisionError):
+        in_threads(work, range(2))
+    assert time.monotonic() - began < 30.0
 
 
 @several
