@@ -25,7 +25,7 @@ def plot_residuals(report: "GapReport") -> "Figure":
     said = _with_what(report)
     for panel, (signal, both) in zip(panels, report.residuals.items(), strict=True):
         made = [("model as it is", RED, both[0])]
-        if report.causes and said:
+        if said:
             made.append((said, GREEN, both[1]))
         for label, colour, values in made:
             shown = np.clip(values, -HIGHEST, HIGHEST)
@@ -44,10 +44,10 @@ def plot_residuals(report: "GapReport") -> "Figure":
 
 
 def _with_what(report: "GapReport") -> str:
-    """Return which effects the second residuals are with: the causes, else the nearest effect; "" for none."""
+    """Return which effects the second residuals are with: the causes, else the nearest effect; "" without a gap."""
     from stickslip.gap.answers.report import UNKNOWN
 
     names = [cause.effect for cause in report.causes if cause.effect != UNKNOWN]
     if names:
         return f"with {' and '.join(names)}"
-    return f"with {report.ranking[0].effect}, the nearest effect" if report.ranking else ""
+    return f"with {report.ranking[0].effect}, the nearest effect" if report.causes and report.ranking else ""
