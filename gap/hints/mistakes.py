@@ -47,9 +47,11 @@ def of_units(diagram: Diagram, log: Log) -> Iterator[Mistake]:
                 words = f"{op} is logged as {low + high:g} minus what the model has: an opening in place of a closing"
                 yield Mistake(words, diagram, log.with_signals(**{op: turned}))
         both = tuple(s for s in dict.fromkeys((pv, sp)) if s in log and s in (*diagram.signals, *diagram.open_inputs))
-        for group in dict.fromkeys((both, both[:1])):
-            yield from _in_other_units(diagram, log, group)
+        if both:
+            yield from _in_other_units(diagram, log, both)
         if len(both) == 2:
+            apart = _in_other_units(diagram, log, both[:1])
+            yield from (one for one in apart if _from_each_other(one.log, pv, sp) < _from_each_other(log, pv, sp))
             swapped = log.with_signals(**{pv: log[sp], sp: log[pv]})
             yield Mistake(f"the columns of {pv} and {sp} are exchanged", diagram, swapped)
 
@@ -80,6 +82,11 @@ def _controllers(diagram: Diagram) -> Iterator[Block]:
     for block in diagram.blocks:
         if block.role is Role.CONTROLLER and block.limit_params is not None and len(block.input_labels) > 1:
             yield block
+
+
+def _from_each_other(log: Log, pv: str, sp: str) -> float:
+    """Return how far a loop is from its set point in the mean: PV alone is in other units only if that falls."""
+    return float(np.nanmean(np.abs(log[pv] - log[sp])))
 
 
 def _zero(by: float) -> float:

@@ -11,6 +11,7 @@ from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.hints.hinted import hints
+from stickslip.gap.hints.mistakes import of_units
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 
@@ -79,6 +80,13 @@ def test_the_integral_of_the_other_error_is_said() -> None:
     diagram, log = site_flow(), site_log("none", hours=0.5)  # the plain program sums the present error
     other = diagram.replace("controller", diagram["controller"].with_params(present=0.0))
     assert 'integral="present"' in hint(other, log.t, {s: log[s] for s in ("SP", "PV", "OP")})
+
+
+def test_no_unit_is_doubted_of_a_loop_that_is_at_its_set_point() -> None:
+    log = site_log(hours=0.5)
+    words = [one.words for one in of_units(site_flow(), Log(log.t, {s: log[s] for s in ("SP", "PV", "OP")}))]
+    assert any(said.startswith("PV and SP are logged as 10 times") for said in words)
+    assert not any(said.startswith("PV is logged as 10 times") for said in words)
 
 
 def test_a_right_model_has_no_hint() -> None:
