@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SWITCHED = 8  # limits of a controller that are looked at with switches of their own
+UNMOVED = 1e-6  # standard deviations to which an innovation is the same
 SPRINT = 3  # rounds of a fit there
 FIRST_SHARE, SHARE = 0.03, 0.15  # of the best gain, from which on first sizes and later ones go on
 WIDER, NARROWER = 1.3, 1.03  # factors by which a size is changed there, first and last
@@ -126,9 +127,11 @@ def _races(one: Hypothesis) -> bool:
 
 
 def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
-    """Return the likeliest limit, each with a filter of its own: where it is met other gains hold."""
+    """Return the likeliest limit, each with a filter of its own: where it is met other gains hold; None if none is."""
     at = {key: null.best.values[key] for key in one.frame.free}
-    each = [x for size in sizes(null, one) if (x := tried(one, {**at, **size}, None, FIRST_RUNS)) is not None]
+    still = tried(null.hypothesis, null.best.values, null.best)
+    met = [values for size in sizes(null, one) if _is_met(null, still, one, values := {**at, **size})]
+    each = [x for values in met if (x := tried(one, values, None, FIRST_RUNS)) is not None]
     likely = sorted(each, key=lambda x: x.nll)
     # inputs have switched where it suits a loop without a limit: what a controller makes of them is felt most
     several = SWITCHED if one.frame.model[one.place].role is Role.CONTROLLER else 1
@@ -137,6 +140,12 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
         return None
     scored = score(null, best)
     return Candidate(one, best.values, null.nll - best.nll, None if scored is None else scored[1])
+
+
+def _is_met(null: Fit, still: Innovations | None, one: Hypothesis, values: Mapping[str, float]) -> bool:
+    """Return whether a limit changes what the mean of the model leaves, ``still``; one that is never met does not."""
+    near = tried(one, values, null.best, FIRST_RUNS)
+    return still is None or near is None or not np.allclose(near.e, still.e, rtol=0.0, atol=UNMOVED, equal_nan=True)
 
 
 def _tried(rough: Fit, one: Hypothesis) -> Candidate | None:
