@@ -212,7 +212,8 @@ def _concluded(loop: Prepared, view: View, said: Opinion, model: Model, seen: Ev
     limit = None if seen is None or math.isinf(seen.excluded) else (seen.claim, unit)
     p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
-    todo = next_step(causes, S, stem, settled=False)
+    bent = seen is not None and (seen.bent > 0.0 or seen.unpaid > 0.0)
+    todo = next_step(causes, S, stem, settled=False, doubted=bent or p > model.clear)
     why_not = _shortcoming(view, said) or _at_end(loop)
     chances = f"Probability of stiction {chance(p)}; {_others(causes)}."
     if why_not:
@@ -270,20 +271,24 @@ def _others(causes: Mapping[str, float]) -> str:
     return ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in shown)
 
 
-def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool, settled: bool = True) -> str:
+def next_step(
+    causes: Mapping[str, float], S: Amount, stem_logged: bool, settled: bool = True, doubted: bool = False
+) -> str:
     """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out.
 
-    Where the record settles nothing, nobody is sent to work on a valve: what would settle it is said in its place.
+    Where the record settles nothing, nobody is sent to work on a valve: what would settle it is said in its place, of a
+    loop that seems to do its work where the valve is ``doubted``.
     """
     top = next(iter(causes))
     doing = CAUSES[top]
     test = confirming_steps(top, S.value, S.unit)
-    if not settled and confirming_steps("stiction", S.value, S.unit) == test:
+    steps = confirming_steps("stiction", S.value, S.unit)
+    if not settled and (test == steps or (doubted and not test)):
         stem = "" if stem_logged else "log the stem position, or "
-        return f"{NOTHING_YET} To settle it: {stem}{test}."
+        return f"{NOTHING_YET} To settle it: {stem}{steps}."
     said = f"{doing.action} ({doing.owner}). To confirm: {test}." if test else f"{doing.action}."
     if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
-        said += f" To rule out the valve: {confirming_steps('stiction', S.value, S.unit)}."
+        said += f" To rule out the valve: {steps}."
     if causes.get("stiction", 0.0) > 0.2 and not stem_logged:
         said += " Better still: log the stem position."
     return said

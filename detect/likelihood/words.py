@@ -42,7 +42,9 @@ def said(e: Evidence, percent: bool) -> str:
         )
     if e.better:
         return f"Dead travel of {size} would predict PV better than {rival} by {e.gain:.3g} nats, but {_short(e)}."
-    why = "" if math.isinf(e.excluded) else f" From {e.excluded:.2g} {unit} on it is excluded by {e.loss:.3g} nats."
+    doubted = e.answers < ANSWERS_NATS or e.unpaid > 0.0 or e.bent > 0.0 or not e.steady  # what would exclude it
+    least = f" From {e.excluded:.2g} {unit} on it is excluded by {e.loss:.3g} nats."
+    why = "" if doubted or math.isinf(e.excluded) else least
     return (
         f"No stem with dead travel predicts PV better than {rival}, but {hides(e, unit)}, so nothing is cleared.{why}"
     )

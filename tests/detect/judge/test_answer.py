@@ -174,6 +174,10 @@ def test_steps_follow_the_size():
 def test_a_healthy_loop_is_told_in_a_plain_sentence():
     S = Amount(1.0, 0.5, 2.0, "% of OP")
     assert next_step({"healthy": 0.95, "stiction": 0.05}, S, False) == "Nothing needs to be done."
+    settling = next_step({"healthy": 0.5, "stiction": 0.16}, S, False, settled=False, doubted=True)
+    assert settling.startswith(
+        "Nothing at the valve yet. To settle it: log the stem position, or put the loop in manual"
+    )
     said = next_step({"sensor": 0.95, "stiction": 0.05}, S, False)
     assert "(instrument technician). To confirm: compare" in said
     for one in CAUSES.values():  # a test has somebody who makes it

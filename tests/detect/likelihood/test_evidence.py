@@ -91,6 +91,12 @@ def test_what_is_no_straight_line_or_never_turns_clears_nothing(rival):
     assert not evidence(**RIVALS[rival], seed=1).clears
 
 
+def test_what_bends_is_not_said_to_be_excluded():
+    found = evidence(**RIVALS["a sensor with hysteresis"], seed=1)
+    assert found.bent > 0.0 and not found.better
+    assert "nothing is cleared" in said(found, True) and "excluded" not in said(found, True)
+
+
 def test_a_sound_loop_earns_its_clearing():
     found = evidence(seed=1, moves=3.0)
     assert found.clears and found.loss >= 10.0 and 0.15 * found.travel == pytest.approx(found.claim)
