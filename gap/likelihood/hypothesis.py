@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.diagram.changes import blocks_with_params
 from stickslip.engine.filtering import extended, followed, otherwise
-from stickslip.engine.restarts import kept_sizes, standing
+from stickslip.engine.restarts import at_most, kept_sizes, standing, steps_taken
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.floors.floor import NU, UNIT, losses
@@ -30,6 +30,7 @@ GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 ENDLESS = 2**62
+MORE = 50  # times the steps of the filter whose gains it has, from which on a run is given up: it has been driven away
 LATE = 200.0  # nats by which a filter lags behind another, from which on it is given up
 NEVER = np.zeros(0)
 
@@ -84,12 +85,14 @@ class Hypothesis(Statement):
             assert near.gains is not None
             gains, turns = gains_for(self.labels, theirs, near.gains), turns_for(self.labels, theirs, near.turns)
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
+            at_most(I, MORE * near.steps)
             status = followed(
                 I, W, buffer, *kept_sizes(I), self.places, self.shown, self.places[0, self.where], times, row_of,
                 phi, f.anew, gains, near.kinks, turns, z, shown, missed,
             )  # fmt: skip
             complain(status)
-            return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, turns, shown)
+            return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, turns, shown,
+                               steps=near.steps)  # fmt: skip
         size, spread = self._start(z)
         e, S, shown = (np.full(f.Y.shape, np.nan) for _ in range(3))
         gains, force = np.zeros((len(f.Y), 2 * n + m + q + 1, m)), np.empty((len(times), q))
@@ -101,7 +104,8 @@ class Hypothesis(Statement):
             f.sure, FAR, z.copy(), spread, which, force, gains, kinks, turns, shown, e, S,
         )  # fmt: skip
         complain(status)
-        found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
+        found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)),
+                            steps=steps_taken(I))  # fmt: skip
         self.latest.clear()
         self.latest[f.record, f.draws, joined] = found
         return found
@@ -144,7 +148,7 @@ class Hypothesis(Statement):
         gains = np.zeros_like(known.gains)
         otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.anew, f.r, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
-        return Innovations(self, full, e, S, gains, known.kinks, known.turns)
+        return Innovations(self, full, e, S, gains, known.kinks, known.turns, steps=known.steps)
 
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""
@@ -249,7 +253,7 @@ class Innovations:
     right, and the ``path`` that it took.
 
     Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where one likely
-    ``stem`` stood at each stop.
+    ``stem`` stood at each stop.  ``steps`` that the engine took, where they are known.
     """
 
     hypothesis: Hypothesis
@@ -265,6 +269,7 @@ class Innovations:
     mixed: Floats | None = None
     stem: Floats | None = None
     charge: float = 0.0
+    steps: int = ENDLESS // MORE
 
     def again(self) -> "Innovations":
         """Return the same values with slopes and a path of their own."""
