@@ -55,6 +55,13 @@ class Controller:
         """P, PI or PID."""
         return f"P{'I' if math.isfinite(self.T_i) else ''}{'D' if self.T_d > 0.0 else ''}"
 
+    @property
+    def present(self) -> tuple[float, float]:
+        """K_p and T_i of the same law whose integral takes in the present error."""
+        if not self.T_i > self.dt:
+            return self.K_p, self.T_i
+        return self.K_p * (1.0 - self.dt / self.T_i), self.T_i - self.dt
+
     def spread(self, key: str) -> tuple[float, float]:
         """The 90 % interval of K_p or T_i, whose upper end is infinite for a law without an integral."""
         if key == "K_p":

@@ -26,6 +26,7 @@ from stickslip.remedy.weighing import weighed
 __all__ = ["FitError", "fit"]
 
 FEWEST = 200  # samples
+FORMS = 0.01  # share by which K_p differs between two forms of a controller, from which on it is said
 WHOLE = 0.9  # of a record and of its rows, below which it is said
 
 
@@ -81,6 +82,12 @@ def fit(
         )
     if main.sp is None:
         notes.append("SP is not logged; it is taken to stand.")
+    if 1.0 - law.present[0] / law.K_p > FORMS:
+        K_p, T_i = law.present
+        notes.append(
+            f"K_p and T_i are those of a controller whose integral takes in the error of the scan before. With the "
+            f"present error they are {K_p:.3g} and {T_i:.3g} s; the log does not tell which it is."
+        )
     if law.explained < 0.9:
         notes.append(f"The PI law tells {100 * law.explained:.0f} % of how OP moves; settings are as unsure.")
     progress("fitting the process without stick")

@@ -102,15 +102,18 @@ class LoopFit(Shown):
 
     @property
     def K_p(self) -> Size:
-        """Gain of the controller [unit of OP per unit of PV]."""
-        return Size(self.controller.K_p, *self.controller.spread("K_p"))
+        """Gain of the controller [unit of OP per unit of PV], within what either form of its integral has."""
+        low, high = self.controller.spread("K_p")
+        share = self.controller.present[0] / self.controller.K_p
+        return Size(self.controller.K_p, min(low, share * low), max(high, share * high))
 
     @property
     def T_i(self) -> Size:
-        """Integral time of the controller [s]."""
+        """Integral time of the controller [s], likewise."""
         if not math.isfinite(self.controller.T_i):
             return Size(None, None, None, "no integral action is seen")
-        return Size(self.controller.T_i, *self.controller.spread("T_i"))
+        low, high = self.controller.spread("T_i")
+        return Size(self.controller.T_i, low + self.controller.present[1] - self.controller.T_i, high)
 
     @cached_property
     def S(self) -> Size:

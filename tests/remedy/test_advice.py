@@ -50,6 +50,13 @@ def test_the_fit_has_found_what_made_the_record(found):
     assert found.KJ.low < 1.8 < found.KJ.high or found.KJ.value == pytest.approx(1.8, rel=0.3)
 
 
+def test_settings_hold_for_either_form_of_the_integral(found):
+    K_p, T_i = found.controller.present
+    assert found.K_p.low <= K_p < 0.8 * 1.001 < found.K_p.high * 1.001
+    assert found.T_i.low <= T_i < 30.0 < found.T_i.high * 1.01
+    assert any("integral takes in the error of the scan before" in note for note in found.notes)
+
+
 def test_doing_nothing_gives_what_the_record_shows(record, advice):
     assert float(np.median(advice.none.outcome.pv_sd)) == pytest.approx(float(np.std(record.e[900:])), rel=0.25)
 

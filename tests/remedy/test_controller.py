@@ -35,6 +35,8 @@ def test_a_scanned_controller_is_read_to_the_digit(integral, action):
     assert found.form == "PI"
     assert found.K_p == pytest.approx((0.7 if action == "reverse" else -0.7) * (1.0 + late / 12.0), rel=1e-6)
     assert found.T_i == pytest.approx(12.0 + late, rel=1e-6)
+    if integral == "present":
+        assert found.present == pytest.approx((0.7 if action == "reverse" else -0.7, 12.0), rel=1e-6)
 
 
 def test_rounded_to_a_tenth_it_is_read_within_its_interval():
