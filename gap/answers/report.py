@@ -89,7 +89,7 @@ class Shrinkage:
 
     def __str__(self) -> str:
         if self.high - self.low > VAGUE:
-            return "the rows that the fit has not seen hold too little of the gap to tell how far it shrinks"
+            return "on rows that the fit has not seen the gap is too small beside the noise to tell how far it shrinks"
         by = f"{100.0 * self.fraction:.0f} % ({100.0 * self.low:.0f} to {100.0 * self.high:.0f} %)"
         return f"on rows that the fit has not seen the gap shrinks by {by}"
 

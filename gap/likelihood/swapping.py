@@ -18,6 +18,10 @@ from stickslip.gap.likelihood.replay import Replays
 class Swap:
     """The swap test: ``given`` signals come from the log. ``before`` and ``after`` are the errors of ``signal``, and
     ``noise`` is its error without a gap [unit].
+
+    >>> print(Swap(("PV",), "OP", 0.024, 0.52, 0.001))
+    Swap test: with PV from the log in place of the model's, the error of OP in a free run rises from 0.024 to 0.52 (so
+    it says nothing of the place).
     """
 
     given: tuple[str, ...]
@@ -33,10 +37,12 @@ class Swap:
         return float(np.clip((self.before**2 - self.after**2) / removable, 0.0, 1.0)) if removable > 0.0 else 0.0
 
     def __str__(self) -> str:
-        given, way = " and ".join(self.given), "falls" if self.after < self.before else "rises"
+        falls = self.after < self.before
+        part = f"{100.0 * self.share:.0f} % of what exceeds the noise" if falls else "so it says nothing of the place"
         return (
-            f"Swap test: with {given} from the log in place of the model's, the error of {self.signal} in a free run "
-            f"{way} from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what exceeds the noise)."
+            f"Swap test: with {' and '.join(self.given)} from the log in place of the model's, the error of "
+            f"{self.signal} in a free run {'falls' if falls else 'rises'} from {self.before:.2g} to {self.after:.2g} "
+            f"({part})."
         )
 
 
