@@ -73,6 +73,8 @@ def test_the_diagram_names_the_cause_in_its_block():
 
 def test_what_is_said_follows_the_numbers():
     assert str(SHRINKS) == "on rows that the fit has not seen the gap shrinks by 87 % (84 to 90 %)"
-    assert "too little of the gap to tell" in str(replace(SHRINKS, low=0.0, high=0.9))
+    assert "too small beside the noise to tell" in str(replace(SHRINKS, low=0.0, high=0.9))
     swap = Swap(("OP",), "PV", before=0.94, after=6.5, noise=0.1)
-    assert "rises from 0.94 to 6.5 (0 %" in str(swap) and "falls from 0.94 to 0.5" in str(replace(swap, after=0.5))
+    assert "rises from 0.94 to 6.5 (so it says nothing" in str(swap) and "falls from 0.94 to 0.5" in str(
+        replace(swap, after=0.5)
+    )

@@ -162,4 +162,4 @@ def test_where_no_gap_is_left_to_shrink_the_report_says_so():
     e = np.ones((120, 2))
     none = shrinkage_of_losses(np.full(120, 1.0), np.full(120, 1.0), e, 60)
     assert none.fraction == 0.0
-    assert "too little of the gap to tell" in str(none)
+    assert "too small beside the noise to tell" in str(none)
