@@ -32,7 +32,7 @@ class Correlation:
     lags : (2 m + 1,) [s], from -m to m; op, pv : (m + 1,) of each signal with itself, lags from 0 on [-]
     both : (2 m + 1,) of PV behind OP [-]; positive lag: PV later
     period : [s], NaN without an oscillation
-    lag : [s]; at_lag, at_zero : the correlation there [-]
+    lag : of PV behind OP, as the loop's facts have it [s]; at_lag, at_zero : the correlation there and at no lag [-]
     """
 
     lags: Values = field(repr=False)
@@ -67,8 +67,7 @@ def correlation(loop: Prepared) -> Correlation | None:
     samples = loop.period / grid.dt
     m = min(n // 3, round(PERIODS * samples) if math.isfinite(samples) else round(RECORD_SHARE * n))
     uu, yy, uy = _r(u, u, m), _r(y, y, m), _r(u, y, m)
-    reach = max(1, min(m, round(0.5 * samples) if math.isfinite(samples) else m))
-    at = int(np.argmax(np.abs(uy[m : m + reach + 1])))
+    at = max(-m, min(m, round(loop.causality.value)))
     lags = np.asarray(np.arange(-m, m + 1) * grid.dt, dtype=np.float64)
     return Correlation(lags, uu[m:], yy[m:], uy, loop.period, at * grid.dt, float(uy[m + at]), float(uy[m]))
 

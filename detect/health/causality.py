@@ -46,22 +46,23 @@ def lag_of_pv(op: Values, pv: Values, sign: float, half: float) -> tuple[float, 
     return float(k - reach + fine), float(at[k])
 
 
-def causality(op: Values, pv: Values, e: Values, period: float, limit: float = 0.5) -> Fact:
+def causality(op: Values, pv: Values, e: Values, period: float, limit: float = 0.5, dt: float = 1.0) -> Fact:
     """Lag of PV behind OP on an even grid [samples]; at ``limit`` or below PV does not follow. It is reported, not
     refused.
 
-    ``period`` [samples] of the oscillation, NaN without one.
+    ``period`` [samples] of the oscillation, NaN without one; ``dt`` [s] of a sample, for the words.
     """
     remedy = "Log faster than the loop moves, at the controller's scan; or log the stem position."
     if len(op) < 50 or np.ptp(op) == 0.0 or np.ptp(pv) == 0.0:
-        return Fact("not_causal", False, math.nan, limit, "Too little moves to see what follows what.", remedy, False)
+        still = "Too little moves to see what follows what."
+        return Fact("not_causal", False, math.nan, limit, still, remedy, forbids=False, judged=False)
     half = min(turn_time(op, period)[1], len(op) / 4.0)
-    lag, alike = lag_of_pv(op, pv, controller_sign(op, e), half)
+    lag, _ = lag_of_pv(op, pv, controller_sign(op, e), half)
     present = bool(lag <= limit)
     text = (
-        f"PV does not follow OP: the two agree best at a lag of {lag:.1f} samples (above {limit:g} needed, correlation "
-        f"{alike:.2f}). The PV-OP picture shows the controller, not the valve."
+        f"PV does not follow OP: the two agree best at a lag of {lag * dt:.3g} s (above {limit * dt:.3g} s needed). "
+        "The PV-OP picture shows the controller, not the valve."
         if present
-        else f"PV follows OP by {lag:.1f} samples (correlation {alike:.2f})."
+        else f"PV follows OP by {lag * dt:.3g} s."
     )
-    return Fact("not_causal", present, lag, limit, text, remedy, False)
+    return Fact("not_causal", present, lag, limit, text, remedy, forbids=False)

@@ -59,7 +59,7 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
 def manual(record: LoopRecord, limit: float = 0.5) -> Fact:
     """Share of samples in manual mode, when a mode is logged."""
     if record.mode is None:
-        return Fact("manual_mode", False, 0.0, limit, "The controller mode is not logged; automatic is assumed.")
+        return Fact("manual_mode", False, 0.0, limit, "The mode is not logged.", judged=False)
     known = np.isfinite(record.mode)
     share = float(np.mean(record.mode[known] < 1)) if known.any() else 0.0
     text = f"The controller is in manual in {share:.0%} of the samples."
@@ -83,8 +83,13 @@ def beyond_reason(record: LoopRecord, limit: float = 1e100) -> Fact:
     signals = {"time": record.t, "PV": _good(record, record.pv), "OP": _good(record, record.op)}
     largest = {name: float(np.max(np.abs(x))) if len(x) else 0.0 for name, x in signals.items()}
     name = max(largest, key=lambda key: largest[key])
-    text = f"{name} reaches {largest[name]:.3g}, which no plant measures: look at its unit and at the columns read."
-    return Fact("signal_missing", largest[name] > limit, largest[name], limit, text)
+    present = largest[name] > limit
+    text = (
+        f"{name} reaches {largest[name]:.3g}, which no plant measures: look at its unit and at the columns read."
+        if present
+        else f"No number is beyond {limit:g}."
+    )
+    return Fact("signal_missing", present, largest[name], limit, text)
 
 
 def constant(record: LoopRecord, signal: str = "PV") -> Fact:
@@ -94,7 +99,7 @@ def constant(record: LoopRecord, signal: str = "PV") -> Fact:
     limit = 1e-9 * float(np.max(np.abs(x))) if len(x) else 0.0
     code: Code = "constant_signal" if signal == "PV" else "manual_mode"
     if len(x) == 0:
-        return Fact(code, False, 0.0, 0.0, f"{signal} has no good sample.")
+        return Fact(code, False, 0.0, 0.0, f"{signal} has no good sample.", judged=False)
     if span <= limit:
         why = (
             "a frozen or dead measurement (or a model at rest)"
@@ -118,7 +123,7 @@ def saturated(record: LoopRecord, limit: float = 0.10) -> Fact:
         return Fact("op_saturated", share > limit, share, limit, text, UNSATURATED)
     x = _good(record, record.op)
     if len(x) == 0:
-        return Fact("op_saturated", False, 0.0, limit, "OP has no good sample.")
+        return Fact("op_saturated", False, 0.0, limit, "OP has no good sample.", judged=False)
     edge = 1e-6 * float(np.ptp(x))
     share = float(max(np.mean(x <= np.min(x) + edge), np.mean(x >= np.max(x) - edge)))
     clipped = 2 * limit
@@ -136,13 +141,17 @@ def set_point(record: LoopRecord, limit: float = 0.05) -> Fact:
     ramp) forces the loop, and the wave is no longer the loop's own.
     """
     if record.sp is None or record.e is None:
-        return Fact("sp_not_constant", False, 0.0, limit, "SP is not logged; it is assumed constant.")
+        return Fact("sp_not_constant", False, 0.0, limit, "SP is not logged.", judged=False)
     sp, e = _good(record, record.sp), _good(record, record.e)
     if len(sp) < 2:
-        return Fact("sp_not_constant", False, 0.0, limit, "SP has fewer than two good samples.")
+        return Fact("sp_not_constant", False, 0.0, limit, "SP has fewer than two good samples.", judged=False)
     moves = len(set_point_moves(sp, e))
     share = moves / (len(sp) - 1)
-    text = f"SP moves at {moves} of {len(sp)} samples, by {float(np.ptp(sp)):.4g} in all."
+    text = (
+        f"SP moves at {moves} of {len(sp)} samples, by {float(np.ptp(sp)):.4g} in all."
+        if moves
+        else f"SP stands over all {len(sp)} samples."
+    )
     remedy = "Log a stretch with a fixed set point."
     cascade = record.mode is not None and float(np.mean(record.mode[record.good] == CASCADE)) > 0.5
     if share > limit and (cascade or float(np.mean(np.diff(sp) != 0.0)) > SLAVE_SHARE):
@@ -181,7 +190,7 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     counted = moves > 1e-9 * float(np.max(np.abs(x))) if len(x) else moves > 0.0
     moves = moves if counted.all() else moves[counted]
     if len(moves) < 5:
-        return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.")
+        return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.", judged=False)
     step = percentile(moves, 1.0)
     levels = float(np.ptp(x)) / step
     if not on_grid(x, step, 0.05, 0.9):
@@ -199,7 +208,7 @@ def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
     """
     x, t = _good(record, record.pv), _good(record, record.t)
     if len(x) < 5 or np.ptp(x) == 0.0:
-        return Fact("compressed", False, 0.0, limit, "PV is too short to look for compression.")
+        return Fact("compressed", False, 0.0, limit, "PV is too short to look for compression.", judged=False)
     share = float(np.mean(drawn(t, x)))
     text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
     found = share > limit and not controlled_as_logged(record)

@@ -17,6 +17,7 @@ class Fact:
     value, limit : on the fact's own scale, stated in its text
     remedy : what to log instead, a sentence, or nothing
     forbids : whether methods refuse a record that has it; one that does not is only noted
+    judged : whether the record tells; where it does not, the text says why
 
     >>> Fact("quantised", True, 6.0, 10.0, "PV has 6 levels.", "Log PV with more digits.").forbids
     True
@@ -29,3 +30,4 @@ class Fact:
     text: str
     remedy: str = ""
     forbids: bool = True
+    judged: bool = True

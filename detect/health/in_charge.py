@@ -52,9 +52,8 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
     OP stands there for 30 samples or more, while PV moves and stays off SP by its swing."""
     remedy = "Log the controller's mode, and a stretch in automatic."
     if record.mode is not None or record.e is None:
-        return Fact(
-            "manual_mode", False, 0.0, limit, "OP is not searched for stands: SP is unknown, or the mode known."
-        )
+        why = "SP is not logged" if record.mode is None else "the mode is logged"
+        return Fact("manual_mode", False, 0.0, limit, f"OP is not searched for stands: {why}.", judged=False)
     from stickslip.detect.signals.kernels import long_stands, spread
 
     op, pv, e = record.op[record.kept], record.pv[record.kept], record.e[record.kept]
@@ -81,9 +80,8 @@ def untracked(record: LoopRecord, limit: float = 3.0) -> Fact:
     """Mean of e over its standard deviation [-]. Reported, not refused: a P controller has an offset by nature."""
     e = record.e
     if e is None or not record.good.any():
-        return Fact(
-            "not_in_charge", False, 0.0, limit, "SP is not logged, so that tracking is not seen.", forbids=False
-        )
+        why = "SP is not logged, so that tracking is not seen."
+        return Fact("not_in_charge", False, 0.0, limit, why, forbids=False, judged=False)
     from stickslip.detect.signals.kernels import spread
 
     mean, sd = spread(e[record.kept])

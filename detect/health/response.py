@@ -34,7 +34,7 @@ def unresponsive(record: LoopRecord, limit: float = 1.7) -> Fact:
     n = int(np.count_nonzero(record.good))
     if percent is None or e is None or n < 4 * BLOCKS:
         text = "Whether PV answers OP is not judged: the span of OP or SP is unknown, or the record short."
-        return Fact("pv_unresponsive", False, 0.0, limit, text, remedy)
+        return Fact("pv_unresponsive", False, 0.0, limit, text, remedy, judged=False)
     each = n // BLOCKS
     pv = record.pv[kept]
     white = spread(np.diff(pv))[1] / np.sqrt(2.0 * each)
@@ -59,7 +59,7 @@ def frozen(record: LoopRecord, limit: float = 0.2) -> Fact:
 
     pv, op = record.pv[record.kept], record.op[record.kept]
     if len(pv) < 2:
-        return Fact("frozen_pv", False, 0.0, limit, "PV is too short to look for a stand.", remedy)
+        return Fact("frozen_pv", False, 0.0, limit, "PV is too short to look for a stand.", remedy, judged=False)
     start, length = longest_stand(pv)
     share = length / len(pv)
     while_still = op[start : start + length] if share > limit else op[:1]

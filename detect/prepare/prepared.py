@@ -107,7 +107,9 @@ class Prepared(RecordSignals):
     def causality(self) -> Fact:
         """Whether PV follows OP; at no lag the PV-OP picture shows the controller."""
         grid = self.whole
-        return causality(grid.op, grid.pv, grid.e, self.period / grid.dt if len(grid) else math.nan)
+        if not len(grid):
+            return causality(grid.op, grid.pv, grid.e, math.nan)
+        return causality(grid.op, grid.pv, grid.e, self.period / grid.dt, dt=grid.dt)
 
     @cached_property
     def stems(self) -> Stems | None:
@@ -142,8 +144,9 @@ class Prepared(RecordSignals):
         text = (
             f"The record holds {gate.cycles:.1f} cycles ({CYCLES_MIN:g} wanted)." if gate.oscillating else gate.reason
         )
+        remedy = "Log ten periods at a fixed set point."
         return Fact(
-            "too_few_cycles", few, gate.cycles, CYCLES_MIN, text, "Log ten periods at a fixed set point.", False
+            "too_few_cycles", few, gate.cycles, CYCLES_MIN, text, remedy, forbids=False, judged=gate.oscillating
         )
 
     @property

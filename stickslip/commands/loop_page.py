@@ -244,7 +244,7 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
             "Above: how regular each is. Below: near zero at no lag speaks for a sticky valve before a self-regulating "
             "process, a peak of either sign there for an outside wave or tight tuning."
         )
-        small.append(captioned(figure_to_svg(plot_correlation(likeness)), facts, _lag(likeness)))
+        small.append(captioned(figure_to_svg(plot_correlation(likeness)), facts, _lag(likeness, loop)))
     section.figures.append(side_by_side(small))
     drawn = deciding(diagnosis)
     if drawn is not None:
@@ -271,10 +271,9 @@ def _harmonics(lines: "Spectrum") -> str:
     return f"Spectrum: harmonic {at} has {lines.of_pv[at]:.0%} of PV's and {lines.of_op[at]:.0%} of OP's amplitude."
 
 
-def _lag(found: "Correlation") -> str:
-    return (
-        f"Correlation: PV follows OP by {found.lag:.3g} s (r = {found.at_lag:.2f}); at no lag r = {found.at_zero:.2f}."
-    )
+def _lag(found: "Correlation", loop: "Prepared") -> str:
+    said = "does not follow OP" if loop.causality.present else f"follows OP by {found.lag:.3g} s"
+    return f"Correlation: PV {said} (r = {found.at_lag:.2f}); at no lag r = {found.at_zero:.2f}."
 
 
 def _methods(diagnosis: "Diagnosis") -> "Section | None":
@@ -305,21 +304,24 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.3g}"
 
 
+_MET = {True: "yes", False: "no", None: "not known"}
+
+
 def _data(diagnosis: "Diagnosis") -> "Section":
     from stickslip.commands.report.page import Section, table_to_html
+    from stickslip.detect.health.wanted import met
 
-    beyond = [fact for fact in diagnosis.conditions if fact.present]
+    conditions = met(diagnosis.conditions)
+    failed = sum(one.met is False for one in conditions)
     reason = (
-        f"{len(beyond)} of {len(diagnosis.conditions)} properties of the record are beyond their limit."
-        if beyond else "Nothing about the record is beyond its limit."
+        f"{failed} of {len(conditions)} conditions on the record {'is' if failed == 1 else 'are'} not met."
+        if failed else "No condition on the record is missed."
     )  # fmt: skip
     section = Section("The data", "", "open", reason, notes=list(diagnosis.assumptions), notes_label=READ)
-    facts = [*beyond, *(fact for fact in diagnosis.conditions if not fact.present)]
-    rows = [
-        [f.code.replace("_", " "), "beyond" if f.present else "in order", f.text, f.remedy if f.present else ""]
-        for f in facts
-    ]
-    kinds = ["open" if fact.present else "good" for fact in facts]
+    conditions = tuple(sorted(conditions, key=lambda one: one.met is not False))
+    rows = [[one.wanted, _MET[one.met], one.found, one.remedy] for one in conditions]
+    kinds = ["good" if one.met else "open" for one in conditions]
     if rows:
-        section.figures.append(table_to_html(["property", "limit", "found", "remedy"], rows, badges={1: kinds}))
+        head = ["what is wanted", "met", "what was found", "what to do"]
+        section.figures.append(table_to_html(head, rows, badges={1: kinds}))
     return section

@@ -49,6 +49,12 @@ def test_everything_that_a_report_must_say_is_said(report, sticky):
         assert words in html
 
 
+def test_the_data_are_told_without_codes_or_contradiction(report):
+    data = report.read_text(encoding="utf-8").split("<h2>The data<")[1]
+    assert "what is wanted" in data and "manual mode" not in data and "which no plant measures" not in data
+    assert data.count("works in automatic<") == 1
+
+
 def test_it_is_small_and_quick_to_make(report, sticky):
     assert report.stat().st_size <= LARGEST
     began = time.process_time()
