@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from stickslip.logs.errors import LogError, ReadError
-from stickslip.logs.files.assemble import assemble, layout_of
+from stickslip.logs.files.assemble import Layout, assemble, layout_of
 from stickslip.logs.files.cells import with_plain_cells
 from stickslip.logs.files.form import Form, checked
 from stickslip.logs.files.frames import frame_kind, polars_frame
@@ -22,7 +22,7 @@ from stickslip.logs.files.packed import is_workbook, unpacked
 from stickslip.logs.files.size import check_cells
 from stickslip.logs.files.source import decoded, file_bytes, is_parquet
 from stickslip.logs.files.table import Table, names_and_units, parse_table
-from stickslip.logs.files.workbook import workbook_text
+from stickslip.logs.files.workbook import sheets_of
 from stickslip.logs.log import Log
 from stickslip.logs.loop import LoopRecord
 from stickslip.logs.tags import Process
@@ -72,9 +72,8 @@ def read_log(
     """
     form = checked(form)
     with _named(source):
-        table, heading = _opened(source, form.get("separator"))
-        layout = layout_of(table, heading, form)
-        log = _origin(source, heading).on(assemble(layout, columns))
+        layout = _opened(source, form)
+        log = _origin(source, layout.heading).on(assemble(layout, columns))
         return log if columns else with_loops(log, layout)
 
 
@@ -117,10 +116,9 @@ def read_loop(
     with _named(source):
         if op_span is not None:
             check_span(op_span)
-        table, heading = _opened(source, form.get("separator"))
-        layout = layout_of(table, heading, form)
+        layout = _opened(source, form)
         given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
-        return loop_of(layout, _origin(source, heading), given, loop, name, process, op_span)
+        return loop_of(layout, _origin(source, layout.heading), given, loop, name, process, op_span)
 
 
 def read_loops(
@@ -150,10 +148,9 @@ def read_loops(
     """
     form = checked(form)
     with _named(source):
-        table, heading = _opened(source, form.get("separator"))
-        layout = layout_of(table, heading, form)
-        origin = _origin(source, heading)
-        noted = heading.loops if heading is not None else {}
+        layout = _opened(source, form)
+        origin = _origin(source, layout.heading)
+        noted = layout.heading.loops if layout.heading is not None else {}
         found = (tuple(noted) or layout.columns.loops) if loops is None else tuple(loops)
         if len(found) == 0 and loops is not None:
             raise ReadError("loops names no loop; leave it out to read all, or name at least one")
@@ -177,19 +174,32 @@ def _named(source: Source) -> Iterator[None]:
         raise ReadError(f"{f'{kind} frame' if kind else os.fspath(source)}: {fault}") from None
 
 
-def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | None]:
+def _opened(source: Source, form: Form) -> Layout:
     if frame_kind(source):
-        return _typed(polars_frame(source)), None
+        return layout_of(_typed(polars_frame(source)), None, form)
     raw, notes = unpacked(file_bytes(source))
     if is_parquet(raw):
         table, heading = _parquet(raw)
-        return replace(table, notes=(*notes, *table.notes)), heading
+        return layout_of(replace(table, notes=(*notes, *table.notes)), heading, form)
     if is_workbook(raw):
-        text, found = workbook_text(raw)
-        notes += found
-    else:
-        text = with_blocks_joined(decoded(raw))
+        return _of_workbook(raw, form, notes)
+    text = with_blocks_joined(decoded(raw))
     del raw
+    return _of_text(text, form.get("separator"), form, notes)
+
+
+def _of_workbook(raw: bytes, form: Form, notes: tuple[str, ...]) -> Layout:
+    """The first sheet that reads as a table with a time: a sheet of words may stand before it."""
+    faults = []
+    for name, text, found in sheets_of(raw):
+        try:
+            return _of_text(text, ",", form, (*notes, *found))
+        except ReadError as fault:
+            faults.append(f"sheet {name!r}: {fault}")
+    raise ReadError("; ".join(faults[:5]))
+
+
+def _of_text(text: str, separator: str | None, form: Form, notes: tuple[str, ...]) -> Layout:
     heading = parse_heading(_comments(text))
     table = parse_table(text, separator, split_units=heading is None)
     if heading is not None:  # the time column of our own files says its unit
@@ -197,7 +207,7 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
     else:
         table = with_plain_cells(with_fields_named(table))
-    return replace(table, notes=(*notes, *table.notes)), heading
+    return layout_of(replace(table, notes=(*notes, *table.notes)), heading, form)
 
 
 def _comments(text: str) -> list[str]:

@@ -99,7 +99,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
         header = numbered_pairs(header)
     if split_units:
         header, rows = with_tag_row(header, rows, chosen, notes)
-    _check_header(header, numbered[0][0], chosen)
+    _check_header(header, numbered[0][0], "" if separator else chosen)
     _check_widths(rows, len(header), chosen)
     header, twins = without_repeats(header)
     names, units = names_and_units(header) if split_units else (header, {})
@@ -146,7 +146,8 @@ def _without_trailing_separator(
     return header, [(number, line.rstrip(" ")[:-1]) for number, line in rows]
 
 
-def _check_header(header: list[str], number: int, separator: str) -> None:
+def _check_header(header: list[str], number: int, guessed: str) -> None:
+    """``guessed`` is the separator, "" where it is stated: then it needs no word."""
     if len(header) == 1:
         raise ReadError(
             f"the file has only one column ({header[0][:60]!r}); a record needs a time and a signal, "
@@ -159,9 +160,9 @@ def _check_header(header: list[str], number: int, separator: str) -> None:
         )
     empty = [str(i + 1) for i, cell in enumerate(header) if not cell and i > 0]
     if empty:
+        cut = f" (separator: {_SEPARATOR_NAMES.get(guessed, guessed)})" if guessed else ""
         raise ReadError(
-            f"column {', '.join(empty)} has no name in the header on line {number} "
-            f"(separator: {_SEPARATOR_NAMES.get(separator, separator)}); name it or delete it"
+            f"column {', '.join(empty)} has no name in the header on line {number}{cut}; name it or delete it"
         )
 
 

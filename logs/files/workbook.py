@@ -1,4 +1,4 @@
-"""A sheet of an Excel workbook as lines of text, so that it is read as any other table."""
+"""The sheets of an Excel workbook as lines of text, so that each is read as any other table."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ import io
 import re
 import zipfile
 import zlib
+from collections.abc import Iterator
 from datetime import date, datetime, time, timedelta
 from typing import IO, Any
 
 from stickslip.logs.errors import ReadError
 
-__all__ = ["workbook_text"]
+__all__ = ["sheets_of"]
 
 _ZERO = datetime(1899, 12, 30)  # day 0 of a spreadsheet
 _CELL = re.compile(rb"""\br\s*=\s*["']\$?([A-Za-z]+)\$?(\d+)["']""")
@@ -21,8 +22,10 @@ _COLUMNS, _ROWS = 16_384, 1_048_576  # of a sheet
 _AREA = 50_000_000  # cells; the reader holds every one between the first and the last, empty or not
 
 
-def workbook_text(raw: bytes) -> tuple[str, tuple[str, ...]]:
-    """The first sheet with at least two columns and two rows, comma between the cells, and notes on what was taken.
+def sheets_of(raw: bytes) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """Every sheet with at least two columns and two rows: its name, its text, and notes on what is taken.
+
+    Between the cells stands a comma.
 
     Parameters: ``raw`` (bytes) The workbook (.xlsx, .xlsm).
 
@@ -39,6 +42,7 @@ def workbook_text(raw: bytes) -> tuple[str, tuple[str, ...]]:
     try:
         book = CalamineWorkbook.from_filelike(io.BytesIO(raw))
         names = list(book.sheet_names)
+        found = False
         for name in names:
             rows = book.get_sheet_by_name(name).to_python()
             if len(rows) > 1 and max(map(len, rows)) > 1:
@@ -46,12 +50,14 @@ def workbook_text(raw: bytes) -> tuple[str, tuple[str, ...]]:
                 notes = [f"Read from the sheet {name!r} of the workbook."]
                 if left:
                     notes.append(f"Other sheets are passed over: {', '.join(map(repr, left[:5]))}.")
-                return _lines(rows), tuple(notes)
+                found = True
+                yield name, _lines(rows), tuple(notes)
     except (CalamineError, OSError, ValueError) as fault:
         raise ReadError(
             f"the Excel workbook (.xlsx) is damaged or locked ({fault}); save the sheet as CSV and read that"
         ) from None
-    raise ReadError(f"no sheet of the workbook holds a table ({', '.join(map(repr, names[:5]))}); export it again")
+    if not found:
+        raise ReadError(f"no sheet of the workbook holds a table ({', '.join(map(repr, names[:5]))}); export it again")
 
 
 def _check_extent(raw: bytes) -> None:

@@ -138,3 +138,28 @@ def test_a_workbook_without_a_table_and_a_damaged_one(tmp_path) -> None:
         archive.writestr("xl/workbook.xml", "<broken")
     with pytest.raises(ReadError, match="damaged or locked"):
         read_loop(file)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [[["Export Mill 2", None], ["by", "K. Muster"]], [["Export", "of"], ["Mill", "2"]], [["by", "on"], ["K", 45579]]],
+)
+def test_sheets_of_words_before_the_data_are_passed_over(tmp_path, words) -> None:
+    pytest.importorskip("python_calamine")
+    file = tmp_path / "trend.xlsx"
+    file.write_bytes(workbook(("Info", words), ("Trend", ROWS)))
+    loop = read_loop(file)
+    assert (loop.name, len(loop.t)) == ("FIC1", 30)
+    assert any("the sheet 'Trend'" in note for note in loop.notes)
+
+
+def test_what_is_wrong_with_a_sheet_names_it_and_no_separator(tmp_path) -> None:
+    pytest.importorskip("python_calamine")
+    file = tmp_path / "trend.xlsx"
+    file.write_bytes(workbook(("Trend", [["Time", "FIC1.PV", None], *[[45579.5, 4.0, 5.0]] * 5])))
+    with pytest.raises(ReadError, match="sheet 'Trend': column 3 has no name") as refused:
+        read_loop(file)
+    assert "separator" not in str(refused.value)
+    file.write_bytes(workbook(("Info", [["by", "on"], ["K", "Monday"]]), ("Notes", [["a", "b"], ["c", "d"]])))
+    with pytest.raises(ReadError, match=r"sheet 'Info': .*; sheet 'Notes': "):
+        read_loop(file)
