@@ -85,7 +85,7 @@ class Suspect:
         elif self.follows is not None:
             said = f"{moves}, and {self.follows} follows at once: its valve answers"
         else:
-            said = f"{moves}; no tag shows where its valve stands"
+            said = f"{moves}; no other tag shows where its valve stands"
         return said + ("." if self.verdict is None else f"; its own verdict: {WORDS[self.verdict].spoken}.")
 
 

@@ -28,6 +28,7 @@ from stickslip.detect.oscillation import acf_crossings
 from stickslip.detect.oscillation.clock import Clock, clock_of
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.detect.oscillation.pieces import Pieces, pieces_of
+from stickslip.detect.prepare.logged_part import logged_part
 from stickslip.detect.prepare.record_signals import RecordSignals
 from stickslip.detect.signals.filters import smoothed
 from stickslip.detect.signals.gaps import bridgeable, split
@@ -87,8 +88,8 @@ class Prepared(RecordSignals):
     """
 
     def __init__(self, record: LoopRecord, *, stale_masked: bool = True) -> None:
-        self._logged = record
-        self.record = without_stale(record) if stale_masked else record
+        self._logged = logged_part(record)
+        self.record = without_stale(self._logged) if stale_masked else self._logged
         self._waves: dict[tuple[str, float], Values] = {}
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
 

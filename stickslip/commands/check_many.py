@@ -82,6 +82,8 @@ def check_many(
     rows = _rows(judged, surveys)
     say(f"{len(rows)} loops, those to look at first on top:", bold=True)
     say.table(list(COLUMNS[:-1]), [row[:-1] for _, row in rows])
+    if any(row[-1] for _, row in rows):
+        say("Each verdict is that of --loop, from the loop itself. What the other tags show beside it:")
     for why in dict.fromkeys(row[-1] for _, row in rows if row[-1]):  # what is said of several loops is said once
         say.paragraph(f"{', '.join(row[0] for _, row in rows if row[-1] == why)}: {why}.", "  - ")
     for tag in tags:
@@ -169,7 +171,7 @@ def _rows(
         for answer in answers:
             suspect = suspects.get(answer.loop)
             name = answer.loop if len(judged) == 1 else f"{file.stem}: {answer.loop}"
-            travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
+            travel, why, gain = "-", _not_asked(one.log, answer.loop) if one is not None else "", 0.0
             word = answer.verdict
             suspected = word == "stiction" if suspect is None else suspect.suspected
             if suspect is not None:
@@ -181,6 +183,15 @@ def _rows(
             sure = 1.0 if answer.probability is None and word == "stiction" else answer.probability or 0.0
             order.append(((place, -gain, -sure), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
+
+
+def _not_asked(log: "Log", loop: str) -> str:
+    """Return why the other tags of the file are not asked of the valve of a loop."""
+    record = next(one for one in log.loop_records() if one.name == loop)
+    logged = float(record.good.mean())
+    if logged < 0.5:
+        return f"it is logged in {100.0 * logged:.0f} % of the time, too little to ask the other tags"
+    return "the span of OP is not known" if record.op_span is None else "OP hardly moves"
 
 
 def _seen_in(answer: "Diagnosis") -> str:

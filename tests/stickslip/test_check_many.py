@@ -117,3 +117,18 @@ def test_files_of_one_loop_each_are_ranked_by_their_answers(call, exports, tmp_p
     done = call("check", still, exports / "FIC101_pi_export.csv")
     names = [line.split("│")[1].strip() for line in done.stdout.split("\n") if line.startswith("│")]
     assert done.exit_code == 1 and names[0].startswith("FIC101") and names[-1].startswith("still")
+
+
+def test_a_loop_that_is_logged_in_part_is_judged_in_part(call, tmp_path):
+    cells = [(f"{40 + t % 7},{50 + t % 5}", f"{30 + t % 3},{60 + t % 9}" if t < 150 else ",") for t in range(600)]
+    file = tmp_path / "unit.csv"
+    rows = "\n".join(f"{t},{','.join(both)}" for t, both in enumerate(cells))
+    file.write_text(f"time,FIC1.PV,FIC1.OP,FIC2.PV,FIC2.OP\n{rows}\n")
+    done = call("check", file, "--json", tmp_path / "all.json")
+    said = " ".join(done.stdout.split())
+    assert "hardly moves" not in said and "FIC2: it is logged in 25 % of the time, too little to ask" in said
+    assert "Each verdict is that of --loop" in said and "no tag shows" not in said
+    (one,) = json.loads((tmp_path / "all.json").read_text())["files"]
+    alone = json.loads(call("check", file, "--loop", "FIC2", "--json", "-").stdout)
+    assert {loop["loop"]: loop for loop in one["loops"]}["FIC2"]["verdict"] == alone["verdict"]
+    assert any("judged is one piece of 150 samples" in said for said in alone["assumptions"])
