@@ -221,7 +221,7 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
     ]
     if record.sp is None:
         said.append("SP is taken as constant, at the mean of PV.")
-    if record.mode is None:
+    if record.mode is None and not any(fact.code == "manual_mode" for fact in loop.present):
         said.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
         unreadable = any(fact.code == "signal_missing" for fact in loop.present)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from stickslip.detect.judge.answer import Answer, answer
 from stickslip.detect.judge.pooled import evidence_of_all, pooled
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.signals.days import DAY_S, days_of
+from stickslip.detect.signals.days import DAY_S, days_of, edges_of_days
 
 __all__ = ["answer_over_days"]
 
@@ -31,4 +31,6 @@ def answer_over_days(loop: Prepared) -> Answer:
     if len(applied) < 2:
         return answer(loop)
     loops, answers = [loops[i] for i in applied], [answers[i] for i in applied]
-    return pooled(loops, answers, evidence_of_all(loops)[0], each="days")
+    _, days = edges_of_days(record, period=loop.period)
+    each = f"parts of {days} days" if days > 1 else "days" if record.log.start is None else "calendar days"
+    return pooled(loops, answers, evidence_of_all(loops)[0], each=each)

@@ -169,3 +169,25 @@ def test_picture(record):
     figure = diagnose(record).plot()
     figure.canvas.draw()
     assert sum(len(part.axes) for part in figure.subfigs) == 5
+
+
+def test_a_constant_output_is_not_taken_to_be_in_automatic(record):
+    still = LoopRecord.from_arrays(record.t, pv=record.pv, op=0 * record.t + 48.3, sp=0 * record.t)
+    answer = diagnose(still, methods=[])
+    assert "the loop is in manual or OP is frozen" in answer.reason
+    assert not any("in automatic" in said for said in answer.assumptions)
+    assert any("in automatic" in said for said in diagnose(record, methods=[]).assumptions)
+
+
+def test_two_days_of_three_dates_are_no_three_days():
+    from datetime import datetime
+
+    from stickslip.logs import Log
+
+    t = np.arange(0.0, 48 * 3600.0, 60.0)
+    rng = np.random.default_rng(1)
+    op = 50 + 5 * np.sin(t / 900) + np.sin(t / 4000)
+    pv = np.concatenate([[50.0], op[:-1]]) + 0.1 * rng.normal(size=len(t))
+    log = Log(t, {"PV": pv, "OP": op}, spans={"OP": (0, 100)}, start=datetime(2025, 3, 11, 6))
+    said = diagnose(log.loop(), methods=[]).reason
+    assert "3 days" not in said and "3 calendar days of one valve" in said
