@@ -66,7 +66,8 @@ def pooled(
         reason = f"None of the {len(answers)} {each} can be judged. {answers[0].reason}"
         return Answer("not_applicable", None, {}, None, None, None, reason, "")
     names = judged[0].causes
-    mean = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
+    odds = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
+    mean = dict(sorted(odds.items(), key=lambda item: -item[1]))
     total = math.fsum(mean.values())
     plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
     opinion = _raised(plain, found)

@@ -81,3 +81,17 @@ def test_a_window_holds_enough_samples_and_periods():
         len(part) >= SAMPLES_MIN for part in days_of(record)
     )  # analytic: 300 / 72
     assert edges_of_days(record, period=DAY_S)[1] == 8  # eight periods
+
+
+def test_causes_of_several_records_are_told_by_their_probability(weak):
+    from stickslip.detect.judge.answer import Answer
+    from stickslip.detect.judge.pooled import pooled
+
+    loops = [Prepared(day) for day in days_of(weak)[:2]]
+    told = [
+        {"healthy": 0.9, "tight_tuning": 0.06, "stiction": 0.04},
+        {"stiction": 0.5, "healthy": 0.4, "tight_tuning": 0.1},
+    ]
+    answers = [Answer("inconclusive", c["stiction"], c, None, None, None, "", "") for c in told]
+    causes = list(pooled(loops, answers[::-1] + answers[:1], None).causes.values())
+    assert causes == sorted(causes, reverse=True)
