@@ -199,9 +199,10 @@ def _only_the_end(loop: Prepared, view: View) -> tuple[str, ...]:
     whole = loop.record.log.duration
     if view.seconds > 0.9 * whole or len(loop.record) <= STEPS_MAX:
         return ()
+    of = "of the longest stretch without a gap, in a record of" if loop.record.log.gaps() else "of"
     return (
-        f"The answer looks at {view.seconds / 3600.0:.3g} h at the end of the longest stretch without a gap, of "
-        f"{whole / 3600.0:.3g} h: more shows no more of a stick. check --html judges the record over time.",
+        f"The answer looks at the last {view.seconds / 3600.0:.3g} h {of} {whole / 3600.0:.3g} h, because more shows "
+        "no more of a stick. The report that --html writes shows all of it over time.",
     )
 
 
@@ -234,8 +235,8 @@ def _concluded(loop: Prepared, view: View, said: Opinion, model: Model, seen: Ev
             return Answer("no_stiction", p, causes, None, None, limit, reason, next_step(causes, S, stem))
         return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", todo)
     between = (
-        f"The record leaves it open: stiction is called from {100.0 * model.accuse:.0f} % on, cleared up to "
-        f"{100.0 * model.clear:.1f} %."
+        f"The record leaves it open: the valve is called sticky at {100.0 * model.accuse:.0f} % and more, and cleared "
+        f"at {100.0 * model.clear:.1f} % and less."
     )
     return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", todo)
 

@@ -58,3 +58,9 @@ def test_enough_turns_are_left_and_no_more_than_that(period):
 
 def test_a_signal_that_never_turns_is_seen_whole():
     assert recent(np.linspace(0.0, 1.0, 50_000), 5000) == 0 and recent(np.zeros(50_000), 5000) == 0
+
+
+def test_no_gap_is_spoken_of_where_there_is_none(sticky):
+    found = answer(Prepared(repeated(sticky, -(-50_000 // len(sticky)))))
+    (said,) = [one for one in found.assumptions if "The answer looks at" in one]
+    assert "gap" not in said and said.startswith("The answer looks at the last ")
