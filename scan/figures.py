@@ -49,5 +49,8 @@ def plot_scan(result: ScanResult) -> Figure:
         tidy(ax)
     total = len(result.table)
     swinging = f"{len(periods)} of {total} loops oscillate"
-    figure.suptitle(f"{swinging}; {counts.get('stiction', 0)} with a sticky valve", x=0.01, ha="left")
+    sticky = result.table.filter(result.table["verdict"] == "stiction")
+    both = sticky["period_s"].count()
+    of_these = f"; of all {total}, {len(sticky)} called sticky, {both} of them oscillating" if len(sticky) else ""
+    figure.suptitle(f"{swinging}{of_these or '; none called sticky'}", x=0.01, ha="left")
     return figure

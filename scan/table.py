@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.detect.comparison import harmless
@@ -45,9 +46,23 @@ def ranked(table: pl.DataFrame) -> pl.DataFrame:
     )
     seen = pl.when(pl.col("verdict") == "stiction").then(1.0).otherwise(-1.0)  # the stem or slips were seen: no guess
     by = [place, pl.col("probability").fill_null(seen), pl.col("order")]
+    table = _by_file(table)
     table = table.with_columns(pl.Series("group", grouped(table), dtype=pl.String)).drop("phasors", "source")
     table = table.sort(by, descending=[False, True, False])
     return table.select(pl.int_range(1, pl.len() + 1, dtype=pl.Int64).alias("rank"), pl.all())
+
+
+def _by_file(table: pl.DataFrame) -> pl.DataFrame:
+    """The table in which a loop that several files hold is called by its file, too."""
+    import polars as pl
+
+    places = table.group_by("loop").agg(pl.col("source").drop_nulls().n_unique().alias("n"))
+    several = set(places.filter(pl.col("n") > 1)["loop"])
+    names = [
+        f"{row['loop']} ({Path(row['source']).name})" if row["loop"] in several and row["source"] else row["loop"]
+        for row in table.select("loop", "source").iter_rows(named=True)
+    ]
+    return table.with_columns(pl.Series("loop", names, dtype=pl.String))
 
 
 def csv_bytes(table: pl.DataFrame) -> bytes:

@@ -268,3 +268,17 @@ def test_a_file_whose_columns_name_no_loop_names_it_itself(ending, tmp_path) -> 
     frame.write_csv(file) if ending == "csv" else frame.write_parquet(file)
     row = scan(file, tmp_path / "out", workers=1).table.row(0, named=True)
     assert row["loop"] == "FIC7"
+
+
+def test_a_loop_of_two_files_is_called_by_its_file() -> None:
+    said = [("FIC1", "a/FIC1.csv"), ("FIC1", "a/wide.csv"), ("FIC2", "a/wide.csv"), ("FIC3", None)]
+    table = ranked(table_of([{"order": i, "loop": loop, "source": file} for i, (loop, file) in enumerate(said)]))
+    assert table["loop"].to_list() == ["FIC1 (FIC1.csv)", "FIC1 (wide.csv)", "FIC2", "FIC3"]
+    assert b"FIC1 (wide.csv)" in csv_bytes(table)
+
+
+def test_the_picture_says_how_many_of_the_sticky_loops_oscillate() -> None:
+    said = [("stiction", 60.0), ("stiction", None), ("inconclusive", 30.0), ("inconclusive", None)]
+    rows = [{"order": i, "loop": f"FIC{i}", "verdict": word, "period_s": s} for i, (word, s) in enumerate(said)]
+    title = ScanResult(ranked(table_of(rows)), "x").plot().get_suptitle()
+    assert title == "2 of 4 loops oscillate; of all 4, 2 called sticky, 1 of them oscillating"
