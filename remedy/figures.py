@@ -14,6 +14,7 @@ from stickslip.remedy.size import widened
 from stickslip.remedy.trial import SKIPPED
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from stickslip.remedy.advice import Advice
     from stickslip.remedy.loop_fit import LoopFit
@@ -54,7 +55,7 @@ def plot_fit(fit: LoopFit) -> Figure:
 
 
 def plot_advice(advice: Advice) -> Figure:
-    """SP - PV now, until the shutdown and at it under the same load; travel against variability of all remedies."""
+    """SP - PV now, until the shutdown and at it under the same load; variability and travel of all remedies."""
     fit, day = advice.fit, advice.fit.days[0]
     n = len(advice.none.outcome.pv)
     run = slice(int(SKIPPED * n), n)  # the start, which no standard deviation counts, would squeeze the rest
@@ -63,7 +64,7 @@ def plot_advice(advice: Advice) -> Figure:
     names += [(name, advice[name]) for name in dict.fromkeys((advice.until_shutdown, advice.at_shutdown)) if name]
     unit = f" [{fit.pv_unit}]" if fit.pv_unit else ""
     figure = Picture(figsize=(9.6, 4.6), layout="constrained")
-    grid = figure.add_gridspec(len(names), 2, width_ratios=[1.1, 1.0])
+    grid = figure.add_gridspec(len(names), 3, width_ratios=[1.3, 0.8, 0.8])
     axes = [figure.add_subplot(grid[i, 0]) for i in range(len(names))]
     for ax in axes[1:]:
         ax.sharex(axes[0])
@@ -74,28 +75,39 @@ def plot_advice(advice: Advice) -> Figure:
         ax.set_title(f"{name}: {np.median(one.outcome.pv_sd):.3g} {fit.pv_unit}", fontsize=9, loc="left")
         tidy(ax)
     axes[-1].set_xlabel("time [min]")
-    axes[len(axes) // 2].set_ylabel(f"PV - SP{unit}")
-    ax = figure.add_subplot(grid[:, 1])
-    points = []
+    for ax in axes:
+        ax.set_ylabel(f"PV - SP{unit}")
+    spread, travel = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
+    _beside(advice, spread, travel)
+    spread.set_xlabel(f"standard deviation\nof SP - PV{unit}")
+    travel.set_xlabel(f"stem travel\n[{fit.op_unit} a day]")
+    return figure
+
+
+def _beside(advice: Advice, spread: Axes, travel: Axes) -> None:
+    """A line for every remedy, the least standard deviation on top: that with its 90 % interval, and the travel."""
+    from matplotlib.ticker import MaxNLocator
+
+    lines = []
     for one in (advice.none, *advice.tried):
-        travel = 24.0 * float(np.median(one.outcome.travel))
         low, middle, high = np.percentile(widened(one.outcome.pv_sd), [5.0, 50.0, 95.0], method="nearest")
         if math.isinf(middle):
             continue
         chosen = one.name in (advice.until_shutdown, advice.at_shutdown)
         colour = INK if one is advice.none else COLOURS["PV"] if chosen else SOFT
-        ax.plot([travel] * 2, [low, min(high, MOST * middle)], color=colour, lw=1.0)
-        ax.plot(travel, middle, "o", ms=5.0, color=colour)
-        points.append((float(middle), travel, one.name, colour))
-    ax.set_xscale("symlog", linthresh=max(24.0 * float(np.median(advice.none.outcome.travel)) / 30.0, 1e-9))
-    ax.set_xlabel(f"stem travel [{fit.op_unit} a day]")
-    ax.set_ylabel(f"standard deviation of SP - PV{unit}")
-    ax.set_ylim(0.0)
-    heights = np.linspace(0.04, 0.96, len(points))  # names stand in a column beside the axes, or they overlap
-    for (y, x, name, colour), height in zip(sorted(points), heights, strict=True):
-        ax.annotate(
-            name, (x, y), xytext=(1.03, height), textcoords="axes fraction", fontsize=8, color=colour, va="center",
-            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": PALE}, annotation_clip=False,
-        )  # fmt: skip
-    tidy(ax)
-    return figure
+        moved = 24.0 * float(np.median(one.outcome.travel))
+        lines.append((float(middle), float(low), float(min(high, MOST * middle)), moved, one.name, colour))
+    lines.sort()
+    for place, (middle, low, high, moved, _, colour) in enumerate(lines):
+        spread.plot([low, high], [place] * 2, color=colour, lw=1.0)
+        spread.plot(middle, place, "o", ms=5.0, color=colour, clip_on=False)
+        travel.plot(moved, place, "o", ms=5.0, color=colour, clip_on=False)
+    spread.set_yticks(range(len(lines)), [name for *_, name, _ in lines], fontsize=8)
+    for label, line in zip(spread.get_yticklabels(), lines, strict=True):
+        label.set_color(line[-1])
+    travel.set_yticks(range(len(lines)), [""] * len(lines))
+    for ax in (spread, travel):
+        ax.set_ylim(len(lines) - 0.5, -0.5)
+        ax.set_xlim(0.0)
+        ax.xaxis.set_major_locator(MaxNLocator(4))
+        tidy(ax)

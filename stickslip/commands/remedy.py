@@ -21,7 +21,7 @@ TRIAL = "This advice is new and was tested in simulation only: watch the loop fo
 @click.argument("files", metavar="LOOP [DAY2 ...]", nargs=-1, required=True, type=click.Path(path_type=Path))
 @loop_options
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
-@click.option("--plot", type=click.Path(path_type=Path), help="Draw PV now and then, and travel against variability.")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw PV now and then, and the travel of each remedy.")
 @json_option
 @user_errors
 def command(
