@@ -1,4 +1,7 @@
-"""Say on standard error that something is being compiled, because nothing else would be seen for half a minute."""
+"""Say on standard error that something is being compiled, because nothing else would be seen for half a minute.
+
+Each function is compiled when a record first needs it, so that several first runs may each have a part to compile.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -36,13 +39,13 @@ def noticed(what: str = ENGINE) -> Iterator[None]:
         nonlocal status, total
         if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
             if _TOLD.get(what) is not sys.stderr:
-                sys.stderr.write(f"stickslip: compiling the {what} on first use; this takes about half a minute\n")
+                sys.stderr.write(f"stickslip: compiling what is new here of the {what}, once; up to half a minute\n")
                 sys.stderr.flush()
             _TOLD[what] = sys.stderr
         elif sys.stderr is not None and sys.stderr.isatty():
             total = total or _of_engine()
             of = f" of {max(begun, total)}" if what == ENGINE else ""
-            words = f"compiling the {what} on first use: {begun}{of} functions"
+            words = f"compiling what is new here of the {what}, once: {begun}{of} functions"
             if status is None:
                 from rich.console import Console
 
