@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stickslip.remedy import LoopFit
 
 SCHEMA = "stickslip.fit/1"
+FEWEST = 200  # samples, as ``remedy.fitting`` needs them, which is slow to load
 KINDS = ["self_regulating", "integrating"]
 
 
@@ -91,11 +92,30 @@ def records_of(files: "Sequence[Path]", stated: "dict[str, Any]") -> "list[LoopR
 
 def fitted(files: "Sequence[Path]", stated: "dict[str, Any]") -> "LoopFit":
     """Return the fit of the loop in these files; what is done is said on a terminal."""
+    working("reading the log")
+    records = records_of(files, stated)
+    refuse_unfit(records)
+    working("loading what fits a loop")
     from stickslip.engine.notice import noticed
     from stickslip.remedy import fit
 
     with noticed("fit of a loop"):
-        return fit(records_of(files, stated), progress=working)
+        return fit(records, progress=working)
+
+
+def refuse_unfit(records: "Sequence[LoopRecord]") -> None:
+    """Raise ``ValueError`` for a record that the fit would refuse at once; to load the fit takes seconds."""
+    from stickslip.logs.trend import rests
+
+    for record in records:
+        op, pv = record.op[record.good], record.pv[record.good]
+        most = round(record.log.duration / record.dt) + 1 if len(record) > 1 else len(record)
+        if most < FEWEST:
+            raise ValueError(
+                f"the record has {most} samples on an even grid; {FEWEST} are needed, a few hours at the scan are good"
+            )
+        if not len(op) or rests(op) or rests(pv):
+            raise ValueError("OP or PV stands still all along; log a stretch in automatic in which both move")
 
 
 def working(what: str) -> None:

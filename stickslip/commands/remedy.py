@@ -49,10 +49,10 @@ def command(
     check_targets(
         {"--html": html, "--plot": plot, "--json": json_file}, {"--plot": (".png", ".svg", ".pdf")}, source=files[0]
     )
-    from stickslip.remedy import remedies
-
     say = Speaker(json_file)
     found = fitted(files, stated)
+    from stickslip.remedy import remedies
+
     advice = remedies(found, progress=working)
     tell(say, advice)
     if plot is not None:

@@ -1,5 +1,6 @@
 """``stickslip scan``: every loop of a plant judged and ranked."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,6 +77,8 @@ def command(
     check_folder(out)
     if reports is not None and html is None:
         raise ValueError("--reports writes beside --html, which is missing; add --html FILE")
+    if sys.stderr.isatty():
+        click.echo("reading; a first scan on this machine also compiles the detection methods ...", err=True)
     from stickslip.diagram.progress import reporting
     from stickslip.scan import scan
 

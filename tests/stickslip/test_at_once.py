@@ -1,0 +1,52 @@
+"""Commands that take long say at once what they do, and refuse at once what they cannot do."""
+
+import io
+import subprocess
+import sys
+
+import pytest
+
+from stickslip.commands import fit
+from stickslip.commands.scan import command as scan
+
+ASKED = """
+import sys
+from click.testing import CliRunner
+from stickslip.commands.cli import cli
+done = CliRunner().invoke(cli, sys.argv[1:])
+print(done.exit_code, "numba" in sys.modules, done.stderr)
+"""
+
+
+@pytest.mark.parametrize("command", ["fit", "remedy"])
+@pytest.mark.parametrize(("rows", "op", "why"), [(2, "50", "2 samples"), (300, "50", "OP or PV stands still")])
+def test_what_cannot_be_fitted_is_refused_before_anything_heavy_is_loaded(tmp_path, command, rows, op, why):
+    file = tmp_path / "loop.csv"
+    file.write_text("time,PV,OP\n" + "".join(f"{t},{t % 7},{op}\n" for t in range(rows)))
+    words = [sys.executable, "-c", ASKED, command, str(file)]
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    assert said.startswith("2 False Error: ") and why in said
+
+
+def test_the_fewest_samples_are_those_of_the_fit():
+    from stickslip.remedy import fitting
+
+    assert fit.FEWEST == fitting.FEWEST
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_terminal_hears_at_once(monkeypatch, tmp_path):
+    file = tmp_path / "loop.csv"
+    file.write_text("time,PV,OP\n0,1,2\n1,2,3\n")
+    heard = Terminal()
+    monkeypatch.setattr(sys, "stderr", heard)
+    with pytest.raises(ValueError, match="2 samples"):
+        fit.fitted([file], {})
+    assert heard.getvalue().startswith("reading the log ...")
+    with pytest.raises(SystemExit):
+        scan.main([str(tmp_path / "nothing"), "--out", str(tmp_path / "out")], standalone_mode=False)
+    assert "reading; a first scan on this machine also compiles" in heard.getvalue()
