@@ -6,8 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from stickslip.logs import Log
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
+from stickslip.logs.time_axis import TimeAxis
 from stickslip.remedy.left import whitened
 from stickslip.remedy.process import predicted
 from stickslip.remedy.size import widened
@@ -37,7 +39,8 @@ def plot_fit(fit: LoopFit) -> Figure:
     ahead[len(noise.a) :] -= whitened(y - x - line, noise.a)
     figure = Picture(figsize=(9.6, 5.2), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    t = day.t[:n] - day.t[0]
+    axis = TimeAxis(_log(fit), (part.stop - part.start) * day.dt)
+    t = axis.at(day.t[:n])
     upper.plot(t[part], day.op[:n][part], color=SOFT, label="OP")
     upper.plot(t[part], day.op[0] + shown[0][part], color=COLOURS["MV"], label="likeliest stem")
     upper.set_ylabel(f"[{fit.op_unit}]")
@@ -46,7 +49,7 @@ def plot_fit(fit: LoopFit) -> Figure:
     lower.plot(at[rows], ahead[rows], color=COLOURS["MV"], lw=0.9, label="foretold one row ahead")
     lower.plot(at[rows], (x + line)[rows], color=PALE, label="what the stem alone makes of it")
     lower.set_ylabel(f"PV [{fit.pv_unit}]" if fit.pv_unit else "PV")
-    lower.set_xlabel("time [s]")
+    axis.finish(lower, float(day.t[part.start]), float(day.t[part.stop - 1]))
     upper.set_title(f"S = {fit.S} {fit.op_unit}; K J = {fit.KJ} {fit.pv_unit}", fontsize=9, loc="left")
     for axes in (upper, lower):
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, ncols=3, frameon=False)
@@ -69,12 +72,13 @@ def plot_advice(advice: Advice) -> Figure:
     for ax in axes[1:]:
         ax.sharex(axes[0])
         ax.sharey(axes[0])
-    t = (day.t[:n] - day.t[0]) / 60.0
+    axis = TimeAxis(_log(fit))
+    t = axis.at(day.t[:n])
     for ax, (name, one) in zip(axes, names, strict=True):
         ax.plot(t[run], (one.outcome.pv - sp)[run], color=INK if name == "now" else COLOURS["PV"], lw=0.9)
         ax.set_title(f"{name}: {np.median(one.outcome.pv_sd):.3g} {fit.pv_unit}", fontsize=9, loc="left")
         tidy(ax)
-    axes[-1].set_xlabel("time [min]")
+    axis.finish(axes[-1], float(day.t[run.start]), float(day.t[n - 1]))
     for ax in axes:
         ax.set_ylabel(f"PV - SP{unit}")
     spread, travel = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
@@ -82,6 +86,11 @@ def plot_advice(advice: Advice) -> Figure:
     spread.set_xlabel(f"standard deviation\nof SP - PV{unit}")
     travel.set_xlabel(f"stem travel\n[{fit.op_unit} a day]")
     return figure
+
+
+def _log(fit: LoopFit) -> Log:
+    """The first record of a fit, for its clock."""
+    return Log(fit.days[0].t, {"OP": fit.days[0].op}, start=fit.start)
 
 
 def _beside(advice: Advice, spread: Axes, travel: Axes) -> None:

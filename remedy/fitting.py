@@ -111,6 +111,7 @@ def fit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
         given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), seen.without, best, likely, seen.gain,
         seen.sticks, evidence, lefts, np.array([path[0][0, 0] for path in paths]), tuple(notes),
+        given[0].log.start,
     )  # fmt: skip
 
 

@@ -17,6 +17,8 @@ from stickslip.remedy.process import Day, Found, Loop
 from stickslip.remedy.size import Size, size_of, widened
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from matplotlib.figure import Figure
     from stickslip.detect.likelihood.pooled import Evidence
     from stickslip.detect.words import Word
@@ -38,6 +40,7 @@ class LoopFit(Shown):
     lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
     begun : where the stem of each loop stands at the start beside OP (loops,) [unit of OP]
     evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
+    start : of the first record on the clock, if it is known
 
     >>> from stickslip.remedy.example import sticky
     >>> from stickslip.remedy import fit
@@ -60,6 +63,7 @@ class LoopFit(Shown):
     lefts: tuple[tuple[Floats, ...], ...]
     begun: Floats
     notes: tuple[str, ...]
+    start: datetime | None = None
 
     def each(self, key: str) -> Floats:
         """A value of each loop, (loops,)."""

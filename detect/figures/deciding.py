@@ -9,6 +9,7 @@ import numpy.typing as npt
 from stickslip.detect.figures.loop_trend import named
 from stickslip.detect.figures.verdict import draw_evidence, draw_reason, legend
 from stickslip.logs.style import COLOURS, INK, PALE, tidy
+from stickslip.logs.time_axis import TimeAxis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,14 +109,17 @@ def _draw_moves(answer: Diagnosis, figure: FigureBase) -> None:
     record = answer.record
     last = slice(-SAMPLES if answer.period is None else -max(int(CYCLES * answer.period / record.dt), 60), None)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.plot(record.t[last], record.op[last], color=COLOURS["OP"], label="OP")
+    t = record.t[last]
+    axis = TimeAxis(record.log, float(t[-1] - t[0]))
+    at = axis.at(t)
+    upper.plot(at, record.op[last], color=COLOURS["OP"], label="OP")
     if answer.picture == "slips":
-        lower.plot(record.t[last], rate_of(record.pv)[last], color=COLOURS["PV"], label="change of PV per sample")
+        lower.plot(at, rate_of(record.pv)[last], color=COLOURS["PV"], label="change of PV per sample")
     elif record.mv is not None:
-        lower.plot(record.t[last], record.mv[last], color=COLOURS["MV"], label="MV")
+        lower.plot(at, record.mv[last], color=COLOURS["MV"], label="MV")
         lower.set_ylim(upper.get_ylim())
     upper.set_ylabel(named(record, record.op_name, "OP"))
-    lower.set_xlabel("time [s]")
+    axis.finish(lower, float(t[0]), float(t[-1]))
     for ax in (upper, lower):
         legend(ax)
         tidy(ax)

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +33,7 @@ from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.verdict import Verdict, Word
-from stickslip.logs import LoopRecord
+from stickslip.logs import Log, LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -94,6 +95,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "sizes": found.sizes, "curve": found.curve, "tenths": found.tenths, "percent": float(percent),
         "turn": rows.between,
     }  # fmt: skip
+    if loop.record.log.start is not None:
+        evidence["start"] = loop.record.log.start.replace(tzinfo=UTC).timestamp()
     amount = found.S if percent and word == "stiction" else None
     return Verdict(
         NAME, word, found.gain, p.gain, said(found, percent), amount_percent_op=amount, evidence=evidence, draw=draw
@@ -105,6 +108,7 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
     from stickslip.detect.figures.verdict import draw_reason, legend
     from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
+    from stickslip.logs.time_axis import TimeAxis
 
     if not len(verdict.array("u")):
         draw_reason(verdict.reason, figure)
@@ -114,9 +118,11 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     unit = "% of OP" if e["percent"] else "unit of OP"
     last = slice(-max(int(SHOWN * e["turn"]), 60), None)
     t = verdict.array("t")[last]
-    left.plot(t, verdict.array("u")[last], color=SOFT, label="OP")
-    left.plot(t, verdict.array("x")[last], color=COLOURS["MV"], label="likeliest stem that sticks")
-    left.set_xlabel("time [s]")
+    start = datetime.fromtimestamp(e["start"], UTC) if "start" in e else None
+    axis = TimeAxis(Log(t=t, signals={"OP": verdict.array("u")[last]}, start=start))
+    left.plot(axis.at(t), verdict.array("u")[last], color=SOFT, label="OP")
+    left.plot(axis.at(t), verdict.array("x")[last], color=COLOURS["MV"], label="likeliest stem that sticks")
+    axis.finish(left, float(t[0]), float(t[-1]))
     left.set_ylabel(f"OP [{unit.removesuffix(' of OP')}]")
     left.set_title(f"S = {e['S']:.2g}, J = {e['J']:.2g} {unit}", fontsize=9, loc="left")
     legend(left)
