@@ -16,6 +16,7 @@ An output counts as following the inputs at once if ``h`` mentions them.  The st
 ``start={"name.state": ...}`` says otherwise.  See also: equations (the same without python-control).
 """
 
+import math
 import threading
 from collections.abc import Mapping
 from types import FunctionType
@@ -30,11 +31,14 @@ from stickslip.blocks.parameters_by_number import Compilable, NotReadable, compi
 from stickslip.blocks.ports import BlockError, Port, require
 from stickslip.blocks.role import Role
 
+UPDATE, OUTPUT = "the update function", "the output function"
+
 
 class NonlinearSystem(Block):
     """A nonlinear python-control system as a block; ``wire`` makes one of every such system it is given.
 
-    Raises ``BlockError`` for a system without named states or with an unspecified sampling period (dt = True).
+    Raises ``BlockError`` for an unspecified sampling period (dt = True), or a function that returns another number of
+    values than there are states or outputs.
 
     >>> import control as ct
     >>> from stickslip.diagram import drive
@@ -87,6 +91,16 @@ def sampling_period(system: ct.InputOutputSystem) -> float:
             "give dt= in seconds"
         )
     return float(system.dt or 0.0)
+
+
+def _refuse_other(name: str, what: str, given: int, needed: int) -> None:
+    """Raise ``BlockError`` unless a function of the system ``name`` gives as many values as are needed."""
+    if given != needed:
+        each = "state" if what == UPDATE else "output"
+        values, are = "value" if given == 1 else "values", "is" if needed == 1 else "are"
+        raise BlockError(
+            f"{name}: {what} returns {given} {values}, but {needed} {are} needed; return one value per {each}"
+        )
 
 
 def _labels(system: ct.InputOutputSystem) -> dict[str, Any]:
@@ -146,8 +160,9 @@ def _compiled_kernels(
     def take_x(array: str) -> list[str]:
         return [f"X = np.empty({n})", *(f"X[{i}] = {array}[{i}]" for i in range(n))]
 
-    def put(function: Function, count: int, array: str, result: str) -> list[str]:
+    def put(function: Function, what: str, count: int, array: str, result: str) -> list[str]:
         shape = _shape(function, n, m, values)
+        _refuse_other(system.name, what, math.prod(shape), count)
         if shape == () and count == 1:
             return [f"{array}[0] = {result}"]
         if shape != (count,):
@@ -161,13 +176,13 @@ def _compiled_kernels(
         given = [line.replace("= x[", "= d[") for line in out_lines]
     else:
         ask = f"y = function(t, X, U, {params})"
-        out = generated([*take_x("x"), *take_seen, ask, *put(h, q, "out", "y")], h)
-        given = [ask.replace("function", "output"), *put(h, q, "out", "y")]
+        out = generated([*take_x("x"), *take_seen, ask, *put(h, OUTPUT, q, "out", "y")], h)
+        given = [ask.replace("function", "output"), *put(h, OUTPUT, q, "out", "y")]
     if f is None:
         return None, out, generated([*take_x("d"), *take_u, *given], output=h)
     ask = f"r = function(t, X, U, {params})"
-    der = generated([*take_x("x"), *take_u, ask, *put(f, n, "out", "r")], f)
-    step = generated([*take_x("d"), *take_u, *given, ask, *put(f, n, "d", "r")], f, output=h)
+    der = generated([*take_x("x"), *take_u, ask, *put(f, UPDATE, n, "out", "r")], f)
+    step = generated([*take_x("d"), *take_u, *given, ask, *put(f, UPDATE, n, "d", "r")], f, output=h)
     return der, out, step
 
 
@@ -195,12 +210,13 @@ def _python_kernels(
     def given_as(key: str, value: float) -> float:
         return int(value) if key in whole and value.is_integer() else value
 
-    def ask(what: Function, t: float, x: Any, u: Any, p: Any) -> Any:
+    def ask(what: str, count: int, t: float, x: Any, u: Any, p: Any) -> list[float]:
         params = {**system.params, **{key: given_as(key, float(p[i])) for i, key in enumerate(names)}}
         state, given = np.array([x[i] for i in range(n)]), np.array([u[j] for j in range(m)])
         try:
             with lock:
-                return np.asarray(what(t, state, given, params=params), dtype=float).reshape(-1)
+                function = system.dynamics if what == UPDATE else system.output
+                values = np.asarray(function(t, state, given, params=params), dtype=float).reshape(-1)
         except Exception as error:
             broken = [f"{key} = {params[key]!r}" for key in whole if isinstance(params[key], float)]
             remedy = (
@@ -208,18 +224,20 @@ def _python_kernels(
             )
             error.add_note(f"in a function of '{system.name}'{remedy}")
             raise
+        _refuse_other(system.name, what, len(values), count)
+        return values.tolist()
 
     def der(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-        for i, rate in enumerate(ask(system.dynamics, t, x, u, p).tolist()):
+        for i, rate in enumerate(ask(UPDATE, n, t, x, u, p)):
             out[i] = rate
 
     def outputs(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-        for i, value in enumerate(ask(system.output, t, x, u if feeds else [0.0] * m, p).tolist()[:q]):
+        for i, value in enumerate(ask(OUTPUT, q, t, x, u if feeds else [0.0] * m, p)):
             out[i] = value
 
     def step(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
         outputs(t, d, d, u, p, out)
-        for i, value in enumerate(ask(system.dynamics, t, d, u, p).tolist() if n else ()):
+        for i, value in enumerate(ask(UPDATE, n, t, d, u, p) if n else ()):
             d[i] = value
 
     for kernel in (der, outputs, step):

@@ -252,3 +252,40 @@ def test_a_class_and_a_system_without_labels_are_refused_with_what_to_do():
         WiringError, match=r"reads signal 'u\[0\]'.*joined by its labels: give it inputs=, outputs= and name="
     ):
         wire([Step("OP", 1.0), ct.tf([1], [1, 1])])
+
+
+class Called:
+    """A function that cannot be read, so it is called in Python."""
+
+    def __init__(self, function):
+        self.function = function
+
+    def __call__(self, t, x, u, params):
+        return self.function(t, x, u, params)
+
+
+@pytest.mark.parametrize("kind", [lambda f: f, Called], ids=["compiled", "in Python"])
+@pytest.mark.parametrize("dt", [0, 0.5])
+@pytest.mark.parametrize(
+    ("update", "output", "sizes", "said"),
+    [
+        (lambda t, x, u, p: [-x[0] + u[0], 99 * u[0]], lambda t, x, u, p: x[0], (1, 1), "update .* 2 values, but 1 is"),
+        (lambda t, x, u, p: [-x[0] + u[0]], lambda t, x, u, p: x[0], (2, 1), "update .* 1 value, but 2 are needed"),
+        (lambda t, x, u, p: -x[0] + u[0], lambda t, x, u, p: x[0], (2, 1), "update .* 1 value, but 2 are needed"),
+        (lambda t, x, u, p: -x[0] + u[0], lambda t, x, u, p: [x[0], 7.0], (1, 1), "output .* 2 values, but 1 is"),
+        (lambda t, x, u, p: -x[0] + u[0], lambda t, x, u, p: x[0], (1, 2), "output .* 1 value, but 2 are needed"),
+    ],
+)
+def test_a_function_with_another_number_of_values_is_refused(kind, dt, update, output, sizes, said):
+    states, outputs = [f"x{i}" for i in range(sizes[0])], [f"y{i}" for i in range(sizes[1])]
+    w = ct.nlsys(kind(update), kind(output), inputs=["u"], outputs=outputs, states=states, name="w", dt=dt)
+    with pytest.raises(BlockError, match=f"w: the {said}"):
+        simulate(wire([Constant("u", 1.0), w]), 10.0, every=1.0)
+
+
+@pytest.mark.parametrize("kind", [lambda f: f, Called], ids=["compiled", "in Python"])
+@pytest.mark.parametrize("shape", [float, lambda v: [v], lambda v: np.array([[v]])], ids=["scalar", "list", "column"])
+def test_one_state_takes_one_value_of_any_shape(kind, shape):
+    w = ct.nlsys(kind(lambda t, x, u, p: shape(-x[0] + u[0])), None, inputs=["u"], outputs=["y"], states=["x"])
+    run = simulate(wire([Constant("u", 1.0), w]), 10.0, every=1.0)
+    np.testing.assert_allclose(run.log["y"], 1.0 - np.exp(-np.arange(11.0)), atol=1e-5)  # analytic
