@@ -145,14 +145,21 @@ class StateSpace(Block):
         return found[0], found[1], found[2], found[3]
 
     def smooth(self) -> Block:
-        """Return the continuous system whose zero-order-hold sample this is, which python-control sees."""
+        """Return the continuous system whose zero-order-hold sample this is, of which slopes are taken.
+
+        There is none with a pole at 0 or on the negative axis, as of every FIR filter: if the system is stable its
+        gain at rest stands for it, without dynamics.
+        """
         if not self.sampled:
             return self
         A, B, C, D = self.matrices()
         n, m = B.shape
         poles = np.linalg.eigvals(A)
         if np.any((np.abs(poles.imag) <= 1e-9 * np.abs(poles)) & (poles.real <= 1e-12)):
-            return super().smooth()
+            if np.any(np.abs(poles) >= 1.0):
+                return super().smooth()
+            gain = StateSpace([], [], [], C @ np.linalg.solve(np.eye(n) - A, B) + D, name=self.name)
+            return gain.relabelled(self.name, list(self.input_labels), list(self.output_labels))
         from scipy.linalg import logm
 
         both = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])

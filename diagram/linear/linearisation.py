@@ -56,7 +56,8 @@ class Linear(Shown):
     @cached_property
     def held(self) -> tuple[str, ...]:
         """States that nothing moves here: integrators of controllers at a limit."""
-        return held(self.slopes)
+        idle = self.slopes.idle
+        return tuple(name for name in held(self.slopes) if name not in idle)
 
     def system(
         self, inputs: str | Sequence[str], outputs: str | Sequence[str], cut: str | Sequence[str] = ()
@@ -64,7 +65,8 @@ class Linear(Shown):
         """Return the state space from what is added to some signals to what others become, named.
 
         Of a signal in ``cut`` readers see only what is added, and its own output is only what its block gives.
-        Raises ``WiringError`` for a name that is no signal.
+        States that nothing moves, such as held ones, are left out.  Raises ``WiringError`` for a name that is no
+        signal.
 
         >>> from stickslip.plant.loops import self_regulating_loop
         >>> G = linearise(self_regulating_loop()).system("SP", "PV")
@@ -74,9 +76,11 @@ class Linear(Shown):
         inputs, outputs, cut = _listed(inputs), _listed(outputs), _listed(cut)
         columns, rows = [self._place(name) for name in inputs], [self._place(name) for name in outputs]
         A, B, C, D = self.slopes.joined([self.slopes.signals[self._place(name)] for name in cut])
+        moved = np.flatnonzero(np.hstack([A, B]).any(axis=1))  # the rest: poles at 0 that no dcgain() gets past
         return ct.ss(
-            A, B[:, columns], C[rows], D[np.ix_(rows, columns)], inputs=inputs, outputs=outputs,
-            states=list(self.states), name=self.slopes.diagram.name, remove_useless_states=False,
+            A[moved][:, moved], B[moved][:, columns], C[rows][:, moved], D[np.ix_(rows, columns)],
+            inputs=inputs, outputs=outputs, states=[self.states[i] for i in moved],
+            name=self.slopes.diagram.name, remove_useless_states=False,
         )  # fmt: skip
 
     # --- poles ----------------------------------------------------------------------------------------------
@@ -88,7 +92,10 @@ class Linear(Shown):
         >>> [(round(pole.value.real, 3), pole.made_of()) for pole in linearise(self_regulating_loop()).poles[-2:]]
         [(-0.12, 'process[PV], controller[z]'), (-0.1, 'controller[z], process[PV]')]
         """
-        return poles_of(self.slopes.joined()[0], self.states, sizes(self.slopes)[0], self.held)
+        real = np.array([name not in self.slopes.idle for name in self.states], dtype=bool)
+        names = [name for name in self.states if name not in self.slopes.idle]
+        A = self.slopes.joined()[0][np.ix_(real, real)]
+        return poles_of(A, names, sizes(self.slopes)[0][real], self.held)
 
     @property
     def stable(self) -> bool:
@@ -201,7 +208,8 @@ def linearise(diagram: Diagram, t: float = 0.0, friction: bool = False) -> Linea
     """Return ``diagram`` linearised where it starts, at time ``t`` of its sources [s].
 
     Take ``operating_point(...).diagram`` for a diagram at rest.  Sticky stems are seen without friction unless
-    ``friction`` (then a stuck stem passes nothing on); blocks that sample as their continuous twins.
+    ``friction`` (then a stuck stem passes nothing on).  Blocks that sample are seen as their continuous twins, without
+    the half period for which they hold on average, a FIR filter as its gain, a ``SampledFunction`` by its first sample.
 
     >>> from stickslip.diagram.linear import linearise
     >>> from stickslip.plant.loops import self_regulating_loop

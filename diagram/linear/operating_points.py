@@ -4,7 +4,7 @@ States of one diagram span ten decades (a valve opening of 0.1 beside a pressure
 are held at a limit (a flare that is shut, a valve at its stop) make the equations singular.  So
 
 1. sources stand still at their values at time ``t``, sticky stems are seen without friction, blocks that sample as
-   their continuous twins, dead times as none;
+   their continuous twins or, without one, as what they settle to, dead times as none;
 2. each state is divided by its size, each rate by its largest slope, and states that nothing moves are left out;
 3. ``find_operating_point`` solves the rest with the slopes of ``slopes``;
 4. if that fails from the start given, the diagram is simulated for longer and longer times to come nearer, as a
@@ -19,6 +19,7 @@ from typing import Any
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.at_rest import AtRest, NoRest
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.blocks.sources import Constant
@@ -103,7 +104,8 @@ def operating_point(
     signals = dict(zip(found.signals, found.s.tolist(), strict=True))
     placed = _placed(closed, states, signals)
     here = dict(zip(placed.state_labels, placed.x0.tolist(), strict=True)) | states  # of stems with friction too
-    return OperatingPoint(placed, here, signals, residual(found), held(found), settled)
+    resting = tuple(name for name in held(found) if name not in found.idle)
+    return OperatingPoint(placed, here, signals, residual(found), resting, settled)
 
 
 # --- the diagram to solve -----------------------------------------------------------------------------------
@@ -133,13 +135,18 @@ def still(diagram: Diagram, t: float) -> Diagram:
         if block.role.drives and len(seen.ports_out) == 1:
             label = block.output_labels[0]
             seen = Constant(label, float(seen.output(t, np.zeros(0), np.zeros(0))[0]), name=block.name)
+        elif seen.samples_kept:
+            seen = AtRest(block, t)
         blocks.append(seen)
     return Diagram(blocks, (), diagram.declared_outputs, diagram.name)
 
 
 def _settled(diagram: Diagram, duration: float, t: float) -> tuple[Diagram, str]:
     """Return the diagram as it stands after a while and "", or as it stood and why it does not get there."""
-    run = simulate(diagram, duration, every=duration, t0=t, method="stiff", max_steps=MOST_STEPS)
+    try:
+        run = simulate(diagram, duration, every=duration, t0=t, method="stiff", max_steps=MOST_STEPS)
+    except NoRest as error:
+        raise NoOperatingPoint(f"'{diagram.name}' comes to no rest: {error}") from error
     if run.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
     return (still(run.final, t), "") if run.ok else (diagram, f"on the way {run.hint}")

@@ -45,6 +45,16 @@ class Slopes:
     M: Floats
     kinks: tuple[str, ...]
 
+    @property
+    def idle(self) -> frozenset[str]:
+        """The states of blocks that have a place for a lag and none in it: they are the states of nothing."""
+        return frozenset(
+            f"{block.name}[{name}]"
+            for block in (seen.smooth() for seen in self.diagram.blocks)
+            if block.lag_param and block.params[block.lag_param] == 0.0
+            for name in block.state_names
+        )
+
     def joined(self, cut: Sequence[str] = ()) -> tuple[Floats, Floats, Floats, Floats]:
         """Return A, B, C, D of the whole diagram, from what is added to every signal to every signal.
 

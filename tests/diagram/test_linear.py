@@ -28,6 +28,8 @@ def ideal(K=3.0, tau=10.0, K_p=0.4, T_i=10.0):
 def sorted_poles(linear):
     both = []
     for pole in linear.poles:
+        if pole.held:  # of no system from signal to signal
+            continue
         both += [pole.value] if pole.value.imag == 0.0 else [pole.value, pole.value.conjugate()]
     return np.sort_complex(np.array(both))
 

@@ -3,9 +3,21 @@
 import control as ct
 import numpy as np
 import pytest
-from stickslip.blocks import PI, FirstOrder, Integrator, SampledPI, Sine, Step, StickSlip
+from stickslip.blocks import (
+    PI,
+    Constant,
+    FirstOrder,
+    Integrator,
+    SampledFunction,
+    SampledPI,
+    SampledSensor,
+    Sensor,
+    Sine,
+    Step,
+    StickSlip,
+)  # fmt: skip
 from stickslip.diagram import WiringError, simulate, wire
-from stickslip.diagram.linear import NoOperatingPoint, operating_point
+from stickslip.diagram.linear import NoOperatingPoint, linearise, operating_point
 from stickslip.plant import kicked, production_plant
 from stickslip.plant.build import compressor_2
 from stickslip.plant.feed import constant
@@ -161,3 +173,54 @@ def test_times_and_tolerances_that_are_none():
     for tolerance in (0.0, -1.0, float("nan")):
         with pytest.raises(ValueError, match=r"tolerance = .*, but a largest relative rate is positive"):
             operating_point(self_regulating_loop(), tolerance=tolerance)
+
+
+def mean(state, y):
+    return y, (state + y) / 2.0
+
+
+SAMPLED = {
+    "FIR": (ct.tf([0.5, 0.5], [1, 0], 0.5, inputs="y", outputs="yf", name="f"), 1.0),
+    "gain": (ct.tf([0.5], [1], 0.5, inputs="y", outputs="yf", name="f"), 0.5),
+    "moving mean": (ct.tf([0.25] * 4, [1, 0, 0, 0], 0.5, inputs="y", outputs="yf", name="f"), 1.0),
+    "ringing": (ct.tf([0.5], [1, 0.5], 0.5, inputs="y", outputs="yf", name="f"), 1.0 / 3.0),
+    "function": (SampledFunction("f", mean, dt=0.5, inputs="y", outputs="yf", state=0.0), 1.0),
+    "nonlinear": (
+        ct.nlsys(
+            lambda t, x, u, p: 0.5 * x + u, lambda t, x, u, p: x**2, inputs="y", outputs="yf", states=1, dt=0.5,
+            name="f",
+        ), 4.0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", SAMPLED)
+def test_a_sampled_block_without_a_continuous_twin_is_at_rest_where_its_samples_settle(what):
+    block, exact = SAMPLED[what]  # analytic: the value of the transfer function at z = 1
+    sources = [Constant("u", 1.0), FirstOrder(1.0, 5.0, inputs="u", outputs="y")]
+    assert operating_point(wire([*sources, block]))["yf"] == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.parametrize("what", ["FIR", "moving mean", "ringing"])
+def test_the_linear_model_of_a_filter_without_a_continuous_twin_has_its_gain_at_rest(what):
+    block, exact = SAMPLED[what]
+    model = linearise(wire([Constant("u", 1.0), FirstOrder(1.0, 5.0, inputs="u", outputs="y"), block]))
+    assert float(model.system("u", "yf").dcgain()) == pytest.approx(exact, abs=1e-9)
+
+
+def test_a_function_that_integrates_comes_to_no_rest():
+    total = SampledFunction("sum", lambda state, y: (state + y, state + y), dt=0.5, inputs="y", outputs="yf", state=0.0)
+    with pytest.raises(NoOperatingPoint, match="block 'sum' goes on changing its outputs while its inputs stand still"):
+        operating_point(wire([Constant("u", 1.0), FirstOrder(1.0, 5.0, inputs="u", outputs="y"), total]))
+
+
+@pytest.mark.parametrize("sensor", [Sensor, lambda **given: SampledSensor(0.5, **given)], ids=["Sensor", "Sampled"])
+def test_a_sensor_without_lag_has_no_state_in_the_linear_model(sensor):
+    blocks = [
+        Constant("SP", 1.0), FirstOrder(1.0, 10.0, inputs="OP", outputs="y", start=1.0),
+        sensor(start=1.0, inputs="y", outputs="PV"), PI(2.0, 5.0, start_op=1.0, high=2.0),
+    ]  # fmt: skip
+    model = linearise(wire(blocks))
+    assert float(model.system("SP", "y").dcgain()) == pytest.approx(1.0, abs=1e-9)  # integral action leaves no error
+    assert [pole.made_of() for pole in model.poles] == ["process[PV], controller[z]"]
+    assert model.held == () == operating_point(wire(blocks)).held
