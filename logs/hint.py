@@ -16,7 +16,28 @@ def nearest(wrong: object, names: Iterable[str]) -> str:
     """
     asked, listed = str(wrong), list(names)  # also what is no name at all, such as None, gets the list
     close = [n for n in listed if n.casefold() == asked.casefold()]
-    close = close or difflib.get_close_matches(asked, listed, 1, cutoff=0.4)
+    close = close or difflib.get_close_matches(asked, listed, len(listed) or 1, cutoff=0.4)
+    close.sort(key=lambda name: (edits(asked, name), name[:1].casefold() != asked[:1].casefold()))
     hint = f"did you mean '{close[0]}'? " if close else ""
     known = ", ".join(listed[:12]) + (", ..." if len(listed) > 12 else "")
     return f"{hint}known: {known or 'none'}"
+
+
+def edits(wrong: str, right: str) -> int:
+    """Return how many letters are to be added, left out, changed or exchanged with their neighbour.
+
+    Upper and lower case are one.  Source: Damerau 1964, in the form that changes no part of a text twice.
+
+    >>> edits("PW", "PV"), edits("PW", "SP"), edits("ab", "BA")
+    (1, 2, 1)
+    """
+    a, b = wrong.casefold(), right.casefold()
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, letter in enumerate(a, 1):
+        last, before, row = before, row, [i]
+        for j, other in enumerate(b, 1):
+            row.append(min(before[j] + 1, row[-1] + 1, before[j - 1] + (letter != other)))
+            if i > 1 and j > 1 and letter == b[j - 2] and a[i - 2] == other:
+                row[j] = min(row[j], last[j - 2] + 1)
+    return row[-1]

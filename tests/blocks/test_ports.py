@@ -3,7 +3,7 @@
 import pytest
 from stickslip.blocks import FirstOrder, Plenum
 from stickslip.blocks.block import Block, Kernels
-from stickslip.blocks.ports import BlockError, Port
+from stickslip.blocks.ports import BlockError, Port, nearest
 
 
 def _out(t, x, d, u, p, y):
@@ -43,3 +43,16 @@ def test_units_are_stated_in_a_copy():
     assert both.units == {"MV": "%", "PV": "bar"} and process.units["MV"] == ""
     with pytest.raises(BlockError, match="no port 'PVV'; did you mean 'PV'"):
         process.with_units({"PVV": "bar"})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "known", "right"),
+    [
+        ("PV", ["SP", "OP", "MV", "PW"], "PW"),
+        ("PW", ["SP", "OP", "MV", "PV"], "PV"),
+        ("Kp", ["T_i", "K_p", "K"], "K_p"),
+        ("tua", ["K", "theta", "tau"], "tau"),
+    ],
+)
+def test_the_nearest_name_takes_the_fewest_edits_and_then_has_the_same_first_letter(wrong, known, right):
+    assert nearest(wrong, known).startswith(f"did you mean '{right}'?")
