@@ -88,6 +88,16 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         signals = shortened(f"signals {', '.join(self.signals)}")
         return shortened(f"<Diagram '{self.name}' of {len(self.blocks)} blocks{open_}: {kinds}; {signals}>")
 
+    def __str__(self) -> str:
+        """List the blocks, one a line, each with its signals: python-control would show the twins that it sees."""
+        open_ = f", open inputs {', '.join(self.open_inputs)}" if self.open_inputs else ""
+        lines = [
+            f"  {type(block).__name__} '{block.name}': {', '.join(block.input_labels) or 'nothing'} -> "
+            f"{', '.join(block.output_labels) or 'nothing'}"
+            for block in self.blocks
+        ]
+        return "\n".join([f"Diagram '{self.name}' of {len(self.blocks)} blocks{open_}", *lines])
+
     def append(self, other: object) -> None:
         """Say what to use in place of ``ct.append``, which stacks linear systems only.
 

@@ -6,7 +6,7 @@ import pickle
 import control as ct
 import numpy as np
 import pytest
-from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Ramp, Sine, Step, StickSlip
+from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Ramp, SampledPI, Sine, Step, StickSlip
 from stickslip.diagram import WiringError, drive, simulate, wire
 from stickslip.engine import call
 from stickslip.engine.entry import advance_to
@@ -214,3 +214,12 @@ def test_a_source_may_stand_alone_where_it_is_no_slip_of_the_pen():
     assert loop().part(["SP"]).signals == ("SP",)
     with pytest.raises(WiringError, match="no block reads 'F' from source 'F'"):
         wire([*loop().blocks, ramp])
+
+
+def test_a_printed_diagram_lists_its_blocks_not_the_twins_that_python_control_sees():
+    blocks = [SampledPI(1.0, 10.0, dt=1.0, name="TC"), FirstOrder(1.0, 10.0, inputs="OP", outputs="PV")]
+    assert str(wire(blocks, inputs=["SP"], name="loop")).splitlines() == [
+        "Diagram 'loop' of 2 blocks, open inputs SP",
+        "  SampledPI 'TC': SP, PV -> OP",
+        "  FirstOrder 'process': OP -> PV",
+    ]
