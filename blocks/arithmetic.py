@@ -34,7 +34,8 @@ class Sum(Block):
     """A weighted sum of signals: ``weights`` maps each input signal to its factor.
 
     The parameters are ``offset`` and one weight per input, ``w_`` and the name of the signal.
-    ``weights`` [unit of the sum per unit of each input], ``offset`` [unit of the sum].
+    ``weights`` [unit of the sum per unit of each input], ``offset`` [unit of the sum].  Inputs of weight 1 or -1 have
+    one unit.
     Raises ``BlockError`` without inputs, or for an offset or weight that is not finite.
 
     >>> e = Sum("e", {"SP": 1.0, "PV": -1.0})
@@ -57,6 +58,7 @@ class Sum(Block):
         by_name(name or signal, "weights", weights or {}, {"SP": 1.0, "PV": -1.0})
         require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
         self.ports_in = tuple(Port(key) for key in weights)
+        self.one_unit = tuple(key for key, weight in weights.items() if weight in (1.0, -1.0))
         self.ports_out = (Port(signal, unit),)  # under its own name, because an input may be called "out"
         super().__init__(
             name=name or signal,

@@ -20,6 +20,7 @@ class Declared:
     output port that shows it at any time), ``period_param`` and ``offset_param`` (sampled blocks),
     ``dead_time_param`` (delays all inputs in the engine) and ``before_param`` (what they were before the start),
     ``limit_params`` (low and high end of the output), ``lag_param`` (time constant of a first-order lag),
+    ``one_unit`` (ports whose signals have one unit, as far as theirs is stated),
     ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
     """
 
@@ -37,6 +38,7 @@ class Declared:
     before_param: str | None = None
     limit_params: tuple[str, str] | None = None
     lag_param: str | None = None
+    one_unit: tuple[str, ...] = ()
     host: Host | None = None
     tolerances: Mapping[str, float] = {}
     clock: datetime | None = None  # the moment of time 0, of a block that plays recorded moments

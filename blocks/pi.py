@@ -186,6 +186,7 @@ class PI(LimitedController):
     """
 
     ports_in = (Port("SP"), Port("PV"))
+    one_unit = ("SP", "PV")
     ports_out = (Port("OP"),)
     modes = {
         **MODES,

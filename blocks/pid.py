@@ -77,6 +77,7 @@ class PID(LimitedController):
     """
 
     ports_in = (Port("SP"), Port("PV"))
+    one_unit = ("SP", "PV")
     ports_out = (Port("OP"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2, linear=True)
 

@@ -83,6 +83,7 @@ class SampledPI(Block):
 
     role = Role.CONTROLLER
     ports_in = (Port("SP"), Port("PV"))
+    one_unit = ("SP", "PV")
     ports_out = (Port("OP"),)
     period_param = "dt"
     limit_params = ("low", "high")

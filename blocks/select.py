@@ -60,6 +60,7 @@ class MinSelect(Block):
         name, n = name or signal, len(sources)
         require(n >= 2, name, "sources", list(sources), "there are two or more to select from", "name them")
         self.ports_in = tuple(Port(source) for source in sources)
+        self.one_unit = (*sources, "out")
         self.modes = {source: float(i) for i, source in enumerate(sources)}
         self.kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=n, linear=True)
         units = dict.fromkeys(sources, unit) | {"out": unit}

@@ -88,7 +88,7 @@ def check_sources(sources: Iterable[Block], blocks: Iterable[Block], outputs: Se
 
 
 def check_units(blocks: Sequence[Block]) -> dict[str, str]:
-    """Return signal -> unit, "" if none is stated; refuse a signal whose ports state different units."""
+    """Return signal -> unit, "" if none is stated; refuse different units of one signal, or where a block has one."""
     stated: dict[str, dict[str, str]] = {}
     for block in blocks:
         ports = [*zip(block.ports_in, block.input_labels, strict=True)]
@@ -104,7 +104,25 @@ def check_units(blocks: Sequence[Block]) -> dict[str, str]:
             raise WiringError(
                 f"signal '{signal}' has mismatched units: {said}; convert with a Gain block, or correct units="
             )
-    return {signal: next(iter(units), "") for signal, units in stated.items()}
+    found = {signal: next(iter(units), "") for signal, units in stated.items()}
+    for block in blocks:
+        _check_one_unit(block, found)
+    return found
+
+
+def _check_one_unit(block: Block, units: Mapping[str, str]) -> None:
+    """Refuse signals of different units at ports of a block that have one unit."""
+    ports = (
+        *zip(block.ports_in, block.input_labels, strict=True),
+        *zip(block.ports_out, block.output_labels, strict=True),
+    )
+    read = {units[signal]: signal for port, signal in ports if port.name in block.one_unit and units[signal]}
+    if len(read) > 1:
+        said = " and ".join(f"'{signal}' in [{unit}]" for unit, signal in read.items())
+        raise WiringError(
+            f"block '{block.name}' has mismatched units: {said}, but both have one unit there; convert one of them "
+            "with a Gain block, or correct units="
+        )
 
 
 def spans(blocks: Iterable[Block]) -> dict[str, tuple[float, float]]:

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Step, StickSlip, Sum
+from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, MinSelect, SampledPI, Step, StickSlip, Sum
 from stickslip.blocks.ports import BlockError
 from stickslip.diagram import WiringError, simulate, wire
 
@@ -100,3 +100,24 @@ def test_units_that_agree_are_kept():
     loop = wire([Step("SP", 50.0, unit="%"), PI(0.4, 10.0, units={"SP": "%", "PV": "%"}), *parts()[2:]])
     assert loop.signal_units["SP"] == "%"
     assert simulate(loop, 1.0).log.units["SP"] == "%"
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        PI(1.0, 10.0, inputs={"SP": "a", "PV": "b"}),
+        SampledPI(1.0, 10.0, dt=1.0, inputs={"SP": "a", "PV": "b"}),
+        Sum("y", {"a": 1.0, "b": -1.0}),
+        MinSelect("y", ["a", "b"]),
+    ],
+    ids=lambda block: type(block).__name__,
+)
+def test_signals_that_have_one_unit_in_a_block_may_not_state_two(block):
+    a, b = Constant("a", 1.0, unit="bar"), Constant("b", 1e5, unit="Pa")
+    with pytest.raises(WiringError, match=r"mismatched units: 'a' in \[bar\] and 'b' in \[Pa\]"):
+        wire([a, b, block])
+    wire([a, Constant("b", 1.0), block])  # not stated: free
+
+
+def test_a_sum_may_convert_units_with_its_weights():
+    wire([Constant("a", 1.0, unit="bar"), Constant("b", 1e5, unit="Pa"), Sum("y", {"a": 1.0, "b": 1e-5})])
