@@ -74,7 +74,8 @@ class Run:
         return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     def __repr__(self) -> str:
-        parts = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
+        events = f"{len(self.raw_events)} event{'s' * (len(self.raw_events) != 1)}"
+        parts = [f"{self.status}, {self.log!r}, {events}, {self.statistics.steps} steps"]
         parts += [self.hint] if self.hint else []
         parts += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
         return shortened(f"<Run of '{self.diagram.name}': {'; '.join(parts)}>")
@@ -148,7 +149,7 @@ def simulate(
     """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
-    number, ``(t, values)`` (straight lines), log or table (held; ``stickslip.diagram.playback``) or source block, or a
+    number, ``(t, values)`` (lines, ends held), log, table (held; ``stickslip.diagram.playback``) or source block, or a
     log or table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
     step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000), ``max_step`` the largest step [s]

@@ -3,6 +3,7 @@
 import math
 import pickle
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -240,3 +241,9 @@ def test_what_a_block_is_made_of_cannot_be_written_into():
     source = Recorded("PV", [0.0, 1.0], given)
     given[:] = 9.0  # the caller's own array stays writeable, and the block has its own
     assert float(source.output(1.0, [], [])[0]) == 2.0
+
+
+def test_a_run_with_one_event_says_so_in_the_singular():
+    run = simulate(wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)]), 5.0, every=1.0)
+    assert ", 1 event, " in repr(replace(run, raw_events=np.zeros((1, 4))))
+    assert ", 2 events, " in repr(replace(run, raw_events=np.zeros((2, 4))))
