@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.commands.reading import form_options
+from stickslip.commands.reading import loop_options
 from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from stickslip.commands.report.page import Section
     from stickslip.logs import LoopRecord
@@ -19,21 +19,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "stickslip.fit/1"
 FEWEST = 200  # samples, as ``remedy.fitting`` needs them, which is slow to load
-KINDS = ["self_regulating", "integrating"]
-
-
-def loop_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
-    """Add the options that say which columns are the loop's."""
-    for option in reversed((
-        click.option("--pv", metavar="COLUMN", help="Name of the measurement column."),
-        click.option("--op", metavar="COLUMN", help="Name of the controller output column."),
-        click.option("--sp", metavar="COLUMN", help="Name of the set point column."),
-        click.option("--loop", metavar="TAG", help="Name of the loop, where a file holds several."),
-        click.option("--process", type=click.Choice(KINDS), help="Kind of process, if known."),
-        form_options,
-    )):  # fmt: skip
-        command = option(command)
-    return command
 
 
 @click.command("fit")

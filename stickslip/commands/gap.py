@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from stickslip.commands.console import Speaker, json_option, user_errors
-from stickslip.commands.reading import as_named, form_options
+from stickslip.commands.reading import COLUMNS, as_named, loop_options
 from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ SHOWN = 6  # effects that are listed
     metavar="NAME=COLUMN",
     help="Column of RUN that is the signal NAME of MODEL, as in OP=0.01*FC101.OP; repeatable.",
 )
-@form_options
+@loop_options
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @click.option("--seed", type=int, metavar="N", default=0, show_default=True, help="Seed of the runs without a gap.")
 @click.option("--calibrate", is_flag=True, help="Count how often names are right on runs of MODEL with known effects.")
@@ -70,12 +70,13 @@ def command(
     prints what came out, and keeps it: probabilities are stated by it from then on.
 
     Without --model, RUN is the log of one loop (OP, PV, SP): the loop is fitted to it, and the answer is whether it
-    lacks a stick. With --fit EARLIER, loops are fitted to both records, and what has changed is named.
+    lacks a stick. With --fit EARLIER, loops are fitted to both records, and what has changed is named; --loop, --pv,
+    --op and --sp say what is called so in both files.
 
     \b
     Examples:
       stickslip gap run.csv --model ideal_flow
-      stickslip gap november.csv --fit march.csv
+      stickslip gap november.csv --fit march.csv --loop FIC101
       stickslip gap FIC101.csv
       stickslip gap run.csv --model my_loop.py:loop --json gap.json --html gap.html
       stickslip gap export.csv --model ideal_flow --signal PV=FT101 --signal OP=0.01*FC101.OP --signal SP=FC101.SP
@@ -97,6 +98,9 @@ def command(
     from stickslip.logs import read_log
     from stickslip.logs.chances import chance
 
+    said = [f"--{name}" for name in COLUMNS if form.pop(name) is not None]
+    if said:
+        raise ValueError(f"{', '.join(said)}: with a --model, --signal PV=COLUMN says which column is which signal")
     log = as_named(read_log(run, **form), signals)  # first: a model is executed only where there is a record
     diagram = diagram_named(model, "--model")
     say = Speaker(json_file)
@@ -150,7 +154,8 @@ def without_model(
             for one in answer.compared
         ],
     )
-    say("Read and assumed:")
+    if answer.notes:
+        say("Read and assumed:")
     for sentence in answer.notes:
         say.paragraph(sentence, "  - ")
     say.document({"schema": SCHEMA, **answer.to_dict()})

@@ -21,9 +21,27 @@ OPTIONS = (
 )  # arguments of the readers in ``logs``, under the same names
 
 
+KINDS = ["self_regulating", "integrating"]
+COLUMNS = ("pv", "op", "sp", "loop", "process")  # what ``loop_options`` says of a loop
+
+
 def form_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that say how a file is written to a command."""
     for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def loop_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say which columns are the loop's."""
+    for option in reversed((
+        click.option("--pv", metavar="COLUMN", help="Name of the measurement column."),
+        click.option("--op", metavar="COLUMN", help="Name of the controller output column."),
+        click.option("--sp", metavar="COLUMN", help="Name of the set point column."),
+        click.option("--loop", metavar="TAG", help="Name of the loop, where a file holds several."),
+        click.option("--process", type=click.Choice(KINDS), help="Kind of process, if known."),
+        form_options,
+    )):  # fmt: skip
         command = option(command)
     return command
 

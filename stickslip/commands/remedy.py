@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.commands.fit import fit_section, fitted, loop_options, sentences, working
+from stickslip.commands.fit import fit_section, fitted, sentences, working
+from stickslip.commands.reading import loop_options
 from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:

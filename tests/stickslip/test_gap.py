@@ -168,11 +168,14 @@ def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
         record = sticky(hours=0.6, seed=3)
         op = 40.0 + K_p * (record.op - 40.0)  # the same loop behind a controller with another gain
         path = tmp_path / name
-        columns = np.column_stack([record.t, record.sp, op, record.pv])
-        np.savetxt(path, columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")
+        columns = np.column_stack([record.t, record.sp, op, record.pv, record.sp, record.op, record.pv])
+        header = "time,FIC1.SP,FIC1.OP,FIC1.PV,FIC2.SP,FIC2.OP,FIC2.PV"  # of two loops in one file
+        np.savetxt(path, columns, fmt="%.6f", delimiter=",", header=header, comments="")
         return path
 
-    result = call("gap", file("later.csv", 0.5), "--fit", file("earlier.csv", 1.0), "--json", "-")
+    given = "gap", file("later.csv", 0.5), "--fit", file("earlier.csv", 1.0)
+    assert call(*given).exit_code == 2
+    result = call(*given, "--loop", "FIC1", "--json", "-")
     assert result.exit_code == 1, result.output
     found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
     assert set(found) == {"schema", "gap", "where", "causes", "ranking", "hints", "shrinkage"}
@@ -183,5 +186,7 @@ def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
 def test_a_model_and_an_earlier_record_are_not_both_asked(call, written, model):
     result = call("gap", written(1.0), "--model", f"{model}:loop", "--fit", written(1.0))
     assert result.exit_code == 2 and "leave out the other" in result.output
+    result = call("gap", written(1.0), "--model", f"{model}:loop", "--pv", "FT101")
+    assert result.exit_code == 2 and "--signal PV=COLUMN says which column is which signal" in result.output
     result = call("gap", written(1.0), "--signal", "OP=x")
     assert result.exit_code == 2 and "need a --model" in result.output
