@@ -13,6 +13,7 @@ from types import UnionType
 from typing import Any, get_args
 
 from stickslip.blocks.ports import BlockError, number
+from stickslip.logs.hint import edits
 
 
 def checked(init: Callable[..., None]) -> Callable[..., None]:
@@ -38,7 +39,8 @@ def checked(init: Callable[..., None]) -> Callable[..., None]:
         try:
             given = signature.bind(self, *args, **keywords)
         except TypeError as fault:
-            raise TypeError(_shown_call(type(self), str(fault))) from None
+            said = _misspelt(keywords, signature) or str(fault)
+            raise TypeError(_shown_call(type(self), said)) from None
         names = [keywords.get("name"), given.arguments.get("name"), given.arguments.get("signal"), default]
         block = next((name for name in names if isinstance(name, str) and name), type(self).__name__)
         for name, kinds in wanted.items():
@@ -53,6 +55,19 @@ def checked(init: Callable[..., None]) -> Callable[..., None]:
             raise TypeError(_shown_call(type(self), f"got an unexpected keyword argument{unknown}")) from None
 
     return door
+
+
+def _misspelt(keywords: Mapping[str, Any], signature: inspect.Signature) -> str:
+    """Return which argument is misspelt, and the one that was meant; "" if none is near."""
+    known = [p.name for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD][1:]
+    if len(known) < len(signature.parameters) - 1:
+        return ""
+    for given in keywords:
+        if given not in known:
+            meant = min(known, key=lambda name: edits(given, name))
+            if edits(given, meant) <= len(given) // 2:
+                return f"got an unexpected keyword argument '{given}' (did you mean {meant}?)"
+    return ""
 
 
 def _shown_call(kind: type, words: str) -> str:

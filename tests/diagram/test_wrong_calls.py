@@ -284,6 +284,7 @@ def test_numbers_given_as_integers_are_taken():
     [
         (lambda: Gain("u", K=2.0), "Gain: missing a required argument: 'source'; call it as Gain(signal, source, "),
         (lambda: DeadTime("late", "u", 5.0), "DeadTime: too many positional arguments; call it as DeadTime(theta, *, "),
+        (lambda: blocks.PI(Kp=0.4, T_i=10.0), "PI: got an unexpected keyword argument 'Kp' (did you mean K_p?); call"),
         (lambda: DeadTime(5.0, signal="a"), "keyword argument 'signal'; call it as DeadTime(theta, *, start=0.0, "),
         (lambda: KanoValve(0.1, 0.0, 1.0, F_s=2.0), "keyword argument 'F_s'; call it as KanoValve(S, J, dt, "),
         (lambda: Equations("n", out=lambda u, n: (1.0, 2.0)[n] * u, inputs="u", outputs="y", params={"n": 1}),
