@@ -16,11 +16,12 @@ class Tell(Protocol):
 
 
 @contextmanager
-def reporting(progress: Progress, total: int, what: str) -> Iterator[Tell]:
+def reporting(progress: Progress, total: int, what: str, even: bool = True) -> Iterator[Tell]:
     """Yield what is to be called with (done, total): the caller's function, a bar on standard error, or nothing.
 
-    ``progress``: a function, True, False, or None for a bar if standard error is a terminal; ``what`` is counted.  The
-    bar also shows what is worked at now.
+    ``progress``: a function, True, False, or None for a bar if standard error is a terminal; ``what`` is counted;
+    ``even``: whether each takes about as long, so that the bar can say how long the rest takes.  The bar also shows
+    what is worked at now.
 
     >>> with reporting(lambda done, total: print(f"{done} of {total}"), 3, "runs") as tell:
     ...     tell(2, 3)
@@ -33,9 +34,10 @@ def reporting(progress: Progress, total: int, what: str) -> Iterator[Tell]:
         from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
         from rich.progress import Progress as Bar
 
+        left = (TextColumn("gone,"), TimeRemainingColumn(), TextColumn("to go")) if even else (TextColumn("gone"),)
         columns = (
-            BarColumn(), MofNCompleteColumn(), TextColumn(f"{what},"), TimeElapsedColumn(), TextColumn("gone,"),
-            TimeRemainingColumn(), TextColumn("to go {task.description}"),
+            BarColumn(), MofNCompleteColumn(), TextColumn(f"{what},"), TimeElapsedColumn(), *left,
+            TextColumn("{task.description}"),
         )  # fmt: skip
         with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("", total=total)

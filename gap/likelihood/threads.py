@@ -30,7 +30,7 @@ def in_threads(
     many = min(cores(), len(each))
     stop = threading.Event()
     pool = ThreadPoolExecutor(many, initializer=_begin, initargs=(stop,)) if many > 1 and not _inside() else None
-    with reporting(progress, len(each), what) as tell:
+    with reporting(progress, len(each), what, even=False) as tell:
         try:
             results = pool.map(work, each) if pool else map(work, each)
             for k, item in enumerate(each):

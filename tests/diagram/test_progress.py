@@ -37,3 +37,12 @@ def test_a_bar_says_what_is_worked_at_now(monkeypatch):
     with reporting(True, 4, "effects") as tell:
         tell(1, 4, "valve_gain at valve")
     assert "valve_gain at valve" in stream.getvalue()
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_a_bar_foretells_the_rest_only_of_even_work(monkeypatch, even):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with reporting(True, 4, "effects", even) as tell:
+        tell(2, 4)
+    assert ("to go" in stream.getvalue()) == even
