@@ -121,7 +121,8 @@ def prepared(
                 late[key] = f"{new.name}.theta"
     given = {s: record.source(s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
-    tied = wire([*quiet.blocks, Sum(TIED, dict.fromkeys(record.pinned, 1.0), name=TIED)], outputs=[TIED])
+    tie = Sum(TIED, dict.fromkeys(record.pinned, 0.0), name=TIED)  # adds nothing, so that units do not matter
+    tied = wire([*quiet.blocks, tie], outputs=[TIED])
     component = next(c for c in tied.plan().components if tied.block_index(TIED) in c.blocks)
     if component.hosted:
         raise NoFilter("a block runs in Python")

@@ -196,7 +196,7 @@ def observer(piece: Diagram, given: Sequence[str], measured: Sequence[str], load
         for block in piece.blocks
     ]
     sums = [Sum(s, {_alone(s): 1.0, _load(s): 1.0}, name=f"{s}:observed") for s in loads]
-    tie = Sum(TIED, dict.fromkeys(measured, 1.0), name=TIED)  # makes one component of all that is measured
+    tie = Sum(TIED, dict.fromkeys(measured, 0.0), name=TIED)  # one component of all that is measured, in any units
     sources = [Ramp(s, 0.0, name=f"{s}:written") for s in (*given, *map(_load, loads))]
     closed = wire([*sources, *blocks, *sums, tie], outputs=[TIED])
     place = {s: i for i, s in enumerate(closed.signals)}
