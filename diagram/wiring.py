@@ -106,7 +106,8 @@ def check_units(blocks: Sequence[Block]) -> dict[str, str]:
             )
     found = {signal: next(iter(units), "") for signal, units in stated.items()}
     for block in blocks:
-        _check_one_unit(block, found)
+        if block.one_unit:
+            _check_one_unit(block, found)
     return found
 
 

@@ -56,8 +56,7 @@ class Linear(Shown):
     @cached_property
     def held(self) -> tuple[str, ...]:
         """States that nothing moves here: integrators of controllers at a limit."""
-        idle = self.slopes.idle
-        return tuple(name for name in held(self.slopes) if name not in idle)
+        return held(self.slopes)
 
     def system(
         self, inputs: str | Sequence[str], outputs: str | Sequence[str], cut: str | Sequence[str] = ()

@@ -104,8 +104,7 @@ def operating_point(
     signals = dict(zip(found.signals, found.s.tolist(), strict=True))
     placed = _placed(closed, states, signals)
     here = dict(zip(placed.state_labels, placed.x0.tolist(), strict=True)) | states  # of stems with friction too
-    resting = tuple(name for name in held(found) if name not in found.idle)
-    return OperatingPoint(placed, here, signals, residual(found), resting, settled)
+    return OperatingPoint(placed, here, signals, residual(found), held(found), settled)
 
 
 # --- the diagram to solve -----------------------------------------------------------------------------------
@@ -190,7 +189,8 @@ def _solved(diagram: Diagram, t: float, tolerance: float) -> Slopes | None:
 
 def _step_to_rest(here: Slopes, t: float) -> Floats | None:
     """Return what ``find_operating_point`` finds from here for the states that move, the others as they are."""
-    free = np.array([name not in held(here) for name in here.states])
+    still = unmoved(here)
+    free = np.array([name not in still for name in here.states])
     size, pace = sizes(here)
     if not free.any():
         return None
@@ -231,6 +231,12 @@ def residual(here: Slopes) -> float:
 
 
 def held(here: Slopes) -> tuple[str, ...]:
+    """Return the states that are held: unmoved ones of blocks that have a use for them."""
+    idle = here.idle
+    return tuple(name for name in unmoved(here) if name not in idle)
+
+
+def unmoved(here: Slopes) -> tuple[str, ...]:
     """Return the states that neither move nor depend on anything."""
     A = here.joined()[0]
     return tuple(s for i, s in enumerate(here.states) if not A[i].any() and here.rates[i] == 0.0)

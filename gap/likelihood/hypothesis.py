@@ -269,7 +269,7 @@ class Innovations:
     mixed: Floats | None = None
     stem: Floats | None = None
     charge: float = 0.0
-    steps: int = ENDLESS // MORE
+    steps: int = ENDLESS
 
     def again(self) -> "Innovations":
         """Return the same values with slopes and a path of their own."""

@@ -168,13 +168,16 @@ def _rows(
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
+        logged = {} if one is None else {record.name: record for record in one.log.loop_records()}
         for answer in answers:
             suspect = suspects.get(answer.loop)
             name = answer.loop if len(judged) == 1 else f"{file.stem}: {answer.loop}"
-            travel, why, gain = "-", _not_asked(one.log, answer.loop) if one is not None else "", 0.0
+            travel, why, gain = "-", "", 0.0
             word = answer.verdict
             suspected = word == "stiction" if suspect is None else suspect.suspected
-            if suspect is not None:
+            if suspect is None and one is not None:
+                why = _not_asked(logged[answer.loop])
+            elif suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             period = "-" if answer.period is None else f"{float(f'{answer.period:.3g}'):g}"
             seen = _seen_in(answer)
@@ -185,11 +188,12 @@ def _rows(
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
 
-def _not_asked(log: "Log", loop: str) -> str:
+def _not_asked(record: "LoopRecord") -> str:
     """Return why the other tags of the file are not asked of the valve of a loop."""
-    record = next(one for one in log.loop_records() if one.name == loop)
+    from stickslip.detect.prepare.logged_part import LOGGED_SHARE
+
     logged = float(record.good.mean())
-    if logged < 0.5:
+    if logged < LOGGED_SHARE:
         return f"it is logged in {100.0 * logged:.0f} % of the time, too little to ask the other tags"
     return "the span of OP is not known" if record.op_span is None else "OP hardly moves"
 
