@@ -58,13 +58,14 @@ def fitted_once() -> Generator[None, None, None]:
 
     made, fit = {}, remedy.fit
 
-    def told(one: Any) -> Any:
+    def content(one: Any) -> Any:
         signals = [None if x is None else x.tobytes() for x in (one.t, one.sp, one.pv, one.op)]
-        return one.name, one.process, one.measurement, str(one.op_span), str(one.log.units), *signals
+        known = one.process, one.measurement, str(one.op_span), str(one.log.units), str(one.log.start)
+        return one.name, *known, *signals
 
     def once(records: Any, progress: Any = str, seed: int = 0) -> Any:
         loops = [records] if hasattr(records, "pv") else list(records)
-        key = (seed, *map(told, loops))
+        key = (seed, *map(content, loops))
         if key not in made:
             made[key] = fit(records, progress, seed)
         return made[key]
