@@ -60,10 +60,17 @@ class Bank:
     near: Innovations
     count: int = STEMS
     trials: list[Innovations] = field(default_factory=list)
+    asked: dict[tuple[object, ...], Innovations | None] = field(default_factory=dict)
 
     def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
         """Return what a bank of these sizes leaves; None where they cannot be, a run fails, or others are far ahead."""
         one = one or self.one
+        key = (self.count, type(one.effect), *(float(f"{value:.9g}") for value in size.values()))
+        if key not in self.asked:
+            self.asked[key] = self._tried(size, one)
+        return self.asked[key]
+
+    def _tried(self, size: dict[str, float], one: Hypothesis) -> Innovations | None:
         assert one.effect is not None
         if one.effect.rules(one.frame.model, one.place, size):
             return None
@@ -168,7 +175,8 @@ def settled_stem(fit: Fit) -> Fit:
     one = best.hypothesis.of(replace(best.hypothesis.frame, apart=False))
     shared = {key: best.values[key] for key in one.frame.free}
     found: list[Bank] = []
-    for frame in (one.frame, with_switches(_known(one, best.stem).filtered(shared)).hypothesis.frame):
+    switched = with_switches(_known(one, best.stem).filtered(shared)).hypothesis.frame
+    for frame in dict.fromkeys((one.frame, switched)):
         bank = _with_path(one.of(frame), shared, best.stem)
         if bank is not None and bank.tried(_sizes(best)) is not None:
             found.append(bank)
@@ -256,11 +264,22 @@ def _share(trial: Innovations) -> float:
 
 
 def _refined(bank: Bank, start: Innovations) -> Innovations:
-    """Return the likeliest of sizes near a start, step by step."""
+    """Return the likeliest of sizes near a start, step by step: where a stem breaks away, and where it stops.
+
+    What gained once is tried again; the way back is tried once the other size has changed.
+    """
     best = bank.tried(_sizes(start), start.hypothesis) or start
     for step in STEPS:
+        ways = dict.fromkeys(range(len(bank.one.own)), (1.0 - step, 1.0 + step))
         for _ in range(OFTEN if bank.one.bare is not None else 1):
-            before, best = best, _nearby(bank, best, step)
+            before = best
+            for k in ways:
+                for way in ways[k]:
+                    ahead = bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
+                    if ahead is not None and ahead.nll < best.nll:
+                        best = ahead
+                        ways = {i: (way,) if i == k else (1.0 - step, 1.0 + step) for i in ways}
+                        break
             if best is before:
                 break
     if isinstance(bank.one.effect, Stiction) and best.values.get("J", 0.0) > 0.0:
@@ -268,17 +287,6 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
         ahead = bank.tried(_sizes(best), other)
         if ahead is not None and ahead.nll < best.nll:
             best = ahead
-    return best
-
-
-def _nearby(bank: Bank, best: Innovations, step: float) -> Innovations:
-    """Return the likeliest of sizes near the best: where a stem breaks away, and where it stops, both ways."""
-    for k in range(len(bank.one.own)):
-        for way in (1.0 - step, 1.0 + step):
-            ahead = bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
-            if ahead is not None and ahead.nll < best.nll:
-                best = ahead
-                break
     return best
 
 
