@@ -4,6 +4,7 @@ A calibration that was stopped goes on where it was (``stickslip.gap.calibrating
 """
 
 import json
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -80,7 +81,7 @@ def _row(one: Injection, report: GapReport, model: Diagram) -> dict[str, Any]:
         "key": one.key,
         "effect": name,
         "place": one.place,
-        "values": dict(one.values),
+        "values": {name: value for name, value in one.values.items() if math.isfinite(value)},
         "size": one.values.get(one.main, 0.0),
         "neutral": one.effect.nominal(model, one.place).get(one.main, 0.0) if one.effect else 0.0,
         "parameter": f"{one.main} [{unit}]" if one.main else "",

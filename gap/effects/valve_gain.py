@@ -1,37 +1,35 @@
-"""Gain of the valve: the flow is ``factor`` times what the stem position should give."""
+"""Gain of the valve: the flow is ``factor`` times what the stem position should give.
 
-from collections.abc import Mapping
-from typing import Any
+flow = factor x                      all of it
+flow = at + factor (x - at)          about an opening ``at`` [% of travel] at which the model has the right flow
+"""
 
-from stickslip.blocks.arithmetic import Gain
-from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.insertion.effect import Parameter, above
-from stickslip.gap.insertion.inserted import Inserted
+from stickslip.gap.insertion.about import FactorAbout
+from stickslip.gap.insertion.effect import NOMINAL, Parameter
+from stickslip.gap.insertion.inserted import percent_out
+from stickslip.gap.insertion.paths import given
 
 
-class ValveGain(Inserted):
-    """A valve of another size.
+class ValveGain(FactorAbout):
+    """A valve of another size, or that passes more for each step than the model's.
 
     >>> from stickslip.plant.loops import self_regulating_loop
-    >>> ValveGain().insert(self_regulating_loop(), "valve", factor=1.2)["valve:valve_gain"].params["factor"]
-    1.2
+    >>> larger = ValveGain().insert(self_regulating_loop(), "valve", factor=1.2, at=40.0)["valve:valve_gain"]
+    >>> larger.params["w_in"], round(larger.params["offset"], 3)
+    (1.2, -0.08)
     """
 
     name = "valve_gain"
     role = Role.VALVE
-    parameters = (Parameter("factor", "-", 1.0, 0.3, 3.0, "log"),)
+    parameters = (Parameter("factor", "-", 1.0, 0.3, 3.0, "log"), Parameter("at", "% travel", NOMINAL, 0.0, 100.0))
     where = "after"
 
-    def made(self, diagram: Diagram, place: str) -> Block:
-        """Return the gain."""
-        return Gain("out", "in", 1.0, name=self.block(place))
+    def signal(self, diagram: Diagram, place: str) -> str:
+        """Return what the valve gives."""
+        return given(diagram, place)
 
-    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the gain."""
-        return {f"{self.block(place)}.factor": values["factor"]}
-
-    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
-        """Return what is wrong with the values."""
-        return above(values, "factor")
+    def unit_of(self, diagram: Diagram, place: str) -> float:
+        """Return one percent of travel."""
+        return percent_out(diagram, place)

@@ -74,7 +74,8 @@ class Effect:
 
     Class data: ``name``; ``role`` of the blocks it may be at; ``parameters``; ``hidden``, whether it has a mode that no
     log shows (a stem that sticks); ``of_log``, whether it acts on the log only; ``nests`` the effect that
-    it is where its further parameters are neutral; ``reads`` what a controller reads in whose paths it lies, SP or PV.
+    it is where its further parameters are neutral; ``reads`` what a controller reads in whose paths it lies, SP or PV;
+    ``level`` the parameter that says where the model has the right level, which an effect may have or not.
     """
 
     name: ClassVar[str] = ""
@@ -84,6 +85,7 @@ class Effect:
     of_log: ClassVar[bool] = False
     nests: ClassVar[str] = ""
     reads: ClassVar[tuple[str, ...]] = ()
+    level: ClassVar[str] = ""
 
     def __repr__(self) -> str:
         said = ", ".join(f"{p.name} [{p.unit}]" for p in self.parameters)
@@ -196,7 +198,7 @@ class Effect:
                 given[key] = float(value)
             except (TypeError, ValueError):
                 raise EffectError(f"{self.name}: {key} = {value!r}, but it must be a single number; give one") from None
-            if math.isnan(given[key]):
+            if math.isnan(given[key]) and key != self.level:
                 raise EffectError(f"{self.name}: {key} is not a number; give one, or leave it out for none")
         return given
 

@@ -86,7 +86,8 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     far = null.best.gross or bool(at_bound(null))  # noise that wants to be larger than it can be hides how far it is
     found = _looked_at(null, rough, catalogue, far, progress)
     values = float(np.isfinite(null.best.judged).sum())
-    calm = not alone.unusual and all(worth(c, values) + ROUGHLY < needed(found) for c in found)
+    roughly = ROUGHLY + _taken(null)
+    calm = not alone.unusual and all(worth(c, values) + roughly < needed(found) for c in found)
     # scores say little of what hides a mode
     chosen = [c for c in found if c.hypothesis.hides] if calm else found
     # a model that leaves nothing unusual is no worse than a stem of about the right size
@@ -111,6 +112,16 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     if share < least(frame):
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
     return Outcome(null, alone, fits, best, gap, not_told_apart(fits) if good else (), rival=rival)
+
+
+def _taken(null: Fit) -> float:
+    """Return what noise and loads gain by other sizes than the stated ones [nats].
+
+    An effect may gain it in their place.  Scores do not know, since they compare with the sizes that are fitted.
+    """
+    one = null.hypothesis
+    stated = None if one.frame.replays else tried(one, {**null.best.values, **one.frame.stated})
+    return 0.0 if stated is None else max(stated.nll - null.nll, 0.0)
 
 
 def _least_gain(fit: Fit, null: Fit, found: Sequence[Candidate], seed: int) -> float:

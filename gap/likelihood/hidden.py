@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from stickslip.gap.answers.seen import Seen
 from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.insertion.about import FactorAbout
 from stickslip.gap.insertion.effect import Parameter
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
@@ -43,16 +44,36 @@ def hidden(null: Fit, found: Sequence[Candidate], needed: float, seed: int) -> l
             return None
         return Seen(hypothesis.effect.name, hypothesis.place, p.name, size, p.unit, hypothesis.nominal[p.name])
 
-    single = [one for one in found if _only_size(one) is not None]
+    single = [one for one in _least_seen(found) if _only_size(one) is not None]
     asked = single if null.hypothesis.frame.record.filter is None else single[:FEW]
     return [size for size in in_threads(shown, asked) if size is not None]
 
 
+def _least_seen(found: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates without factors on all of a signal, if factors that leave its level are there: these show
+    less.
+    """
+    about = {
+        (one.hypothesis.effect, one.hypothesis.place)
+        for one in found if one.hypothesis.level and isinstance(one.hypothesis.effect, FactorAbout)
+    }  # fmt: skip
+    all_of_it = [one for one in found if (one.hypothesis.effect, one.hypothesis.place) in about]
+    return [one for one in found if one.hypothesis.level == (one in all_of_it)]
+
+
 def _only_size(one: Candidate) -> Parameter | None:
     """Return the parameter of an effect that has a single size with a slope, else None."""
-    assert one.hypothesis.effect is not None
-    p, *more = (p for p in one.hypothesis.effect.parameters if not p.nuisance)
+    effect = one.hypothesis.effect
+    assert effect is not None
+    p, *more = (p for p in effect.parameters if not p.nuisance and p.name != effect.level)
     return None if more or not p.smooth else p
+
+
+def _others(null: Fit, one: Candidate) -> dict[str, float]:
+    """Return all values but the size: those of the model alone, and where the effect leaves the level."""
+    effect = one.hypothesis.effect
+    kept = {effect.level: one.values[effect.level]} if effect is not None and one.hypothesis.level else {}
+    return {**null.best.values, **kept}
 
 
 def least_shown(null: Fit, one: Hypothesis, p: Parameter, needed: float = NEEDED) -> float | None:
@@ -73,14 +94,15 @@ def _of(null: Fit, one: Candidate, p: Parameter, needed: float, seed: int) -> fl
     low, high = hypothesis.bounds[p.name]
     if not (math.isfinite(nominal) and math.isfinite(first)) or first == nominal:
         return None
-    changed = tried(hypothesis, {**null.best.values, p.name: first}, null.best)
+    others = _others(null, one)
+    changed = tried(hypothesis, {**others, p.name: first}, null.best)
     scored = None if changed is None else score(null, changed)
     if scored is None:
         return None
     by = (first - nominal) * math.sqrt(2.0 * needed) / scored[2]
     for _ in range(DOUBLED):
         by = max(abs(by), low - nominal) if by > 0.0 else by
-        values = {**null.best.values, p.name: nominal + by}
+        values = {**others, p.name: nominal + by}
         by = _of_relevance(hypothesis, values, by, seed) if low <= nominal + by <= high else by
         if not low <= nominal + by <= high or abs(by) > MOST * max(high - nominal, nominal - low):
             return None

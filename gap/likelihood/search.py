@@ -68,9 +68,10 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     frame = null.hypothesis.frame
     left_out: tuple[str, ...] = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
     return [
-        Hypothesis(frame, resting(effect) if frame.scanned else effect, place)
+        Hypothesis(frame, resting(effect) if frame.scanned else effect, place, level)
         for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in frame.given.places(effect)
+        for level in (False, True)[: 1 + bool(effect.level)]
         if not _at_rest(frame, effect, place) and (not frame.record.suspects or place in frame.record.suspects)
     ]  # fmt: skip
 
@@ -102,7 +103,15 @@ def fitted(
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
     ended = sorted(in_threads(lambda fit: settled_stem(fit) if fit.hypothesis.hides else _ended(fit), near), key=price)
-    return _in_phase_of_best(ended, lag)
+    return _once(_in_phase_of_best(ended, lag))
+
+
+def _once(found: Sequence[Fit]) -> list[Fit]:
+    """Return the likeliest fit of each effect at each place."""
+    best: dict[tuple[Effect | None, str], Fit] = {}
+    for fit in found:
+        best.setdefault((fit.hypothesis.effect, fit.hypothesis.place), fit)
+    return list(best.values())
 
 
 def _rank(one: Hypothesis) -> int:

@@ -10,9 +10,14 @@ from numpy.typing import NDArray
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.effects.valve_characteristic import flow_at
 from stickslip.gap.fits.loads import is_load, planned, trimmed
 from stickslip.gap.fits.scans import first_scans
+from stickslip.gap.insertion.about import FactorAbout
 from stickslip.gap.insertion.added import with_added
+from stickslip.gap.insertion.inserted import percent_out
+from stickslip.gap.insertion.paths import given
+from stickslip.gap.insertion.scales import ends
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.statement import BEYOND
@@ -21,6 +26,8 @@ Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 0.97, 1.03, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES, APART = 5, 3.0  # of a size whose neutral value is none at all, at least, and their ratio, at most
+WIDE, FAR = (0.3, 0.75, 1.33, 3.0, 10.0, 30.0), 100.0  # the same where its bounds are this far apart
+OPEN = (0.02, 1.0)  # openings at which the flow of a model may be right
 CUT = (0.0, 0.002, 0.005, 0.01, 0.03, 0.1, 0.4)  # shares of the rows of OP that a limit would cut
 EVEN = 1e-6  # share of an interval by which a scan may differ from it
 FURTHER = (0.0, 0.2, 0.5, 1.0)  # shares of what a signal may go further between two rows
@@ -39,6 +46,8 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         return _loads(null, one)
     if isinstance(effect, ScanTime):
         return _scans(null, one)
+    if one.level:
+        return _level(one)
     if one.bends:
         return _limits(one)
     if effect.hidden:  # a stem, which jumps or does not: the first parameter is its band
@@ -46,12 +55,12 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         return [{size: band, **dict.fromkeys(jump, 0.0)} for band in np.geomspace(*one.bounds[size], SIZES + 2)[1:-1]]
     found: list[dict[str, float]] = [{}]
     for p in effect.parameters:
-        if p.nuisance:
+        if p.nuisance or p.name == effect.level:
             continue
         low, high = one.bounds[p.name]
         nominal = one.nominal[p.name]
         if p.spacing == "log" and low < nominal < high:
-            several = [nominal * by for by in FACTORS]
+            several = [nominal * by for by in (WIDE if high / low > FAR else FACTORS)]
         elif p.spacing == "log":
             count = max(SIZES, math.ceil(math.log(high / low) / math.log(APART)))
             several = np.geomspace(low, high, count + 2)[1:-1].tolist()
@@ -82,6 +91,35 @@ def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         size for size in found
         if size["period"] != own and still >= AT_LEAST * (1.0 - f.record.log.dt / size["period"])
     ]  # fmt: skip
+
+
+def _level(one: Hypothesis) -> list[dict[str, float]]:
+    """Return sizes of an effect that leaves its signal the level at which it stands in the middle of the log."""
+    model, effect = one.frame.model, one.effect
+    if isinstance(effect, FactorAbout):
+        signal = effect.signal(model, one.place)
+        middle = _middle(one, signal) if signal else None
+        if middle is None:
+            return []
+        at = float(np.clip(middle / effect.unit_of(model, one.place), *one.bounds["at"]))
+        return [{"factor": factor, "at": at} for factor in FACTORS]
+    middle = _middle(one, given(model, one.place))
+    if middle is None:
+        return []
+    x = float(np.clip(middle / (100.0 * percent_out(model, one.place)), *OPEN))
+    return [{"rangeability": R, "flow": x / flow_at(x, R)} for R in WIDE]
+
+
+def _middle(one: Hypothesis, signal: str) -> float | None:
+    """Return where a signal stands in the middle of the log, by itself or by OP; None if no log or span says so."""
+    f, (shown, values, *_) = one.frame, one.reached
+    if signal in f.signals:
+        return float(np.nanmedian(f.Y[:, f.signals.index(signal)]))
+    within, of_OP = ends(f.model, signal), f.model.signal_spans.get(shown)
+    if within is None or of_OP is None or not len(values):
+        return None
+    share = (float(np.median(values)) - of_OP[0]) / (of_OP[1] - of_OP[0])
+    return within[0] + share * (within[1] - within[0])
 
 
 def _firsts(count: int, exact: bool) -> list[int]:

@@ -21,11 +21,12 @@ BEYOND = 0.1  # of its range, by which a signal may go further between two rows
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """An ``effect`` at a ``place``, or none."""
+    """An ``effect`` at a ``place``, or none; ``level``: it leaves its signal the level that the model has somewhere."""
 
     frame: Frame
     effect: Effect | None = None
     place: str = ""
+    level: bool = False
 
     def __str__(self) -> str:
         return "the model alone" if self.effect is None else f"{self.effect.name} at {self.place}"

@@ -65,7 +65,7 @@ def test_a_large_diagram_alarms_at_three_and_a_half_standard_deviations_of_its_r
 
 def test_the_true_characteristic_leaves_next_to_nothing_on_a_record_that_starts_away_from_its_rest():
     # the record starts where the model without the effect rests: half of the flow is missing, p_1 and V_1 move away
-    one, values = effect("valve_characteristic"), {"rangeability": 2.53}
+    one, values = effect("valve_characteristic"), {"rangeability": 2.53, "flow": 1.0}
     plant = MODELS["separator_section"][0]()
     for name in ("SP_PCS11", "SP_LCS11"):
         rest = plant[name].params["value"]

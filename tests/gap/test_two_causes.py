@@ -1,5 +1,7 @@
 """Two effects in one log: the first becomes part of the model, its sizes free, and the second is searched for again."""
 
+import math
+
 import numpy as np
 import pytest
 from stickslip.cases.models import site_flow
@@ -55,7 +57,7 @@ def test_two_effects_are_named_where_only_the_likelihood_follows_the_loop():
 def test_a_model_with_a_part_gives_what_both_effects_set():
     model = site_flow()
     gain, lag = effect("valve_gain"), effect("second_lag")
-    first = Given(model).with_part(gain.put(model, "valve"), gain, "valve", {"factor": 1.2}, True)
+    first = Given(model).with_part(gain.put(model, "valve"), gain, "valve", {"factor": 1.2, "at": math.nan}, True)
     assert first.free["valve:valve_gain.factor"] == gain.bounds(model, "valve")["factor"]
     assert first.stated["valve:valve_gain.factor"] == 1.2
     assert {"process.K": 3.1, **gain.settings(model, "valve", factor=1.3)}.items() <= first.settings(
