@@ -32,6 +32,7 @@ from contextlib import contextmanager
 import numpy as np
 from stickslip.diagram import simulate
 from stickslip.logs.oscillation import oscillation
+from stickslip.logs.processes import cores
 from stickslip.plant import SET_B, kicked, production_plant, steady_state
 from stickslip.study import production_subject, study
 
@@ -145,7 +146,7 @@ def main() -> None:
     for part in chosen.only:
         with announced(part):
             figures |= parts[part]()
-    figures["cores"] = os.cpu_count()
+    figures["cores"] = cores()
     figures["load"] = f"{begin_load:.2f} {os.getloadavg()[0]:.2f}"
     raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 

@@ -8,13 +8,13 @@ counts as integrated if the status is OK, every logged value is finite and withi
 close. What could not be built was refused with the numbers.  ``--quick`` runs 40.
 """
 
-import os
 import sys
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from stickslip.cases.random_plants import Outcome, RandomPlant, feasible, run
+from stickslip.logs.processes import cores
 
 from benchmarks.report import Figures, options, publish
 
@@ -58,7 +58,7 @@ def main() -> None:
             print(f"\r{done} of {len(built)}", end="", file=sys.stderr)
         return asked, outcome
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores()) as pool:
         outcomes = list(pool.map(one, range(len(built))))
     good = [outcome for _, outcome in outcomes if outcome.integrated]
     others = [(asked, outcome) for asked, outcome in outcomes if not outcome.integrated]

@@ -22,6 +22,7 @@ from stickslip.cases.exact import exact_run
 from stickslip.diagram import simulate, wire
 from stickslip.diagram.ensembles import ensemble
 from stickslip.diagram.flatten import plan
+from stickslip.logs.processes import cores
 from stickslip.plant.loops import self_regulating_loop
 
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
@@ -166,7 +167,7 @@ def main() -> None:
 
     figures |= start_figures(1 if chosen.quick else 7)
     figures["help_process_s"] = process_seconds(["-m", "stickslip", "--help"], 1 if chosen.quick else 7)
-    figures["cores"] = os.cpu_count()
+    figures["cores"] = cores()
     raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 
 

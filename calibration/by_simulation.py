@@ -7,7 +7,6 @@ as a piece.
 """
 
 import math
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -29,7 +28,7 @@ from stickslip.detect.judge.model import rounded
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.chances import chance
-from stickslip.logs.processes import one_thread, processes
+from stickslip.logs.processes import cores, one_thread, processes
 
 Floats = NDArray[np.float64]
 
@@ -149,7 +148,7 @@ def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
     It takes shares from the end, while the others, which must load everything first, take theirs from the beginning.
     Where it is stopped, by Ctrl-C or an error, what waits is not begun.
     """
-    count = min(workers or os.cpu_count() or 1, max(1, len(specs) // OWN_PROCESS))
+    count = min(workers or cores(), max(1, len(specs) // OWN_PROCESS))
     shares = [list(specs[k : k + SHARE]) for k in range(0, len(specs), SHARE)]  # so that few signals are kept at a time
     if count <= 1:
         return _joined([made_of(share) for share in shares])

@@ -6,7 +6,6 @@ every machine but for rounding.  Features are kept apart from signals (``chunks`
 """
 
 import hashlib
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass, fields
@@ -26,7 +25,7 @@ from stickslip.detect.judge.features.view import View
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.files.resumable import Kept, differences, joined, opened
-from stickslip.logs.processes import processes
+from stickslip.logs.processes import cores, processes
 
 if TYPE_CHECKING:
     import polars as pl
@@ -134,7 +133,7 @@ def kept_table(
         place.note()
         there = place.firsts()
         missing = [k for k in range(count) if k * PART not in there]
-        with processes(workers or os.cpu_count() or 1) as pool:
+        with processes(workers or cores()) as pool:
             waited = {pool.submit(made_part, folder, setting, seed + k, kinds): k for k in missing}
             for done in track(as_completed(waited), f"{setting} loops from seed {seed}", len(missing)):
                 place.add(_frame(done.result(), waited[done] * PART))

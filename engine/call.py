@@ -146,7 +146,7 @@ class _Compiled(CFunc):
     def _compile_uncached(self) -> Any:
         code = self._pyfunc.__code__
         found = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
-        self._compiler.py_func = frozen(self._pyfunc, njit(error_model=OPTIONS["error_model"]))
+        self._compiler.py_func = frozen(self._pyfunc, njit(inner=True, error_model=OPTIONS["error_model"]))
         try:
             made = super()._compile_uncached()  # type: ignore[misc]
         except Exception as error:  # numba's own errors, and plain ones for what it did not expect

@@ -20,18 +20,14 @@ from stickslip.remedy.controller import LEAST, controller_of, limits_of
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
 from stickslip.remedy.process import day_of, predicted
+from stickslip.remedy.refusal import STANDS, FitError, refuse_short
 from stickslip.remedy.search import best_without
 from stickslip.remedy.weighing import weighed
 
-__all__ = ["FitError", "fit"]
+__all__ = ["fit"]
 
-FEWEST = 200  # samples
 FORMS = 0.01  # share by which K_p differs between two forms of a controller, from which on it is said
 WHOLE = 0.9  # of a record and of its rows, below which it is said
-
-
-class FitError(ValueError):
-    """A record to which no loop can be fitted; the message says why, and what would help."""
 
 
 def fit(
@@ -46,7 +42,7 @@ def fit(
     >>> fit(LoopRecord.from_arrays([0, 1, 2], pv=[1, 2, 1], op=[5, 5, 5]))
     Traceback (most recent call last):
     ...
-    stickslip.remedy.fitting.FitError: the record has 3 samples on an even grid; 200 are needed, a few hours at the scan
+    stickslip.remedy.refusal.FitError: the record has 3 samples on an even grid; 200 are needed, a few hours at the scan
     are good
     """
     given = [records] if isinstance(records, LoopRecord) else list(records)
@@ -56,14 +52,10 @@ def fit(
     days, notes = [], []
     for loop in loops:
         grid = loop.with_stale.whole
-        if len(grid) < FEWEST:
-            raise FitError(
-                f"the record has {len(grid)} samples on an even grid; {FEWEST} are needed, "
-                "a few hours at the scan are good"
-            )
+        refuse_short(len(grid))
         day = day_of(grid.t, grid.op, grid.pv, grid.sp)
         if day is None:
-            raise FitError("OP or PV stands still all along; log a stretch in automatic in which both move")
+            raise FitError(STANDS)
         days.append(day)
         notes += _left_out(loop.with_stale.record, grid)
     if any(abs(day.dt - days[0].dt) > 0.02 * days[0].dt for day in days):

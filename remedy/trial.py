@@ -32,10 +32,10 @@ from stickslip.blocks import (
 from stickslip.blocks.block import Block
 from stickslip.diagram import Diagram, ensemble, wire
 from stickslip.remedy.controller import series
-from stickslip.remedy.fitting import FitError
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures.setting import Setting
 from stickslip.remedy.process import Loop
+from stickslip.remedy.refusal import FitError
 from stickslip.remedy.size import size_of
 
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]

@@ -8,12 +8,11 @@ its records.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from os import cpu_count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.logs import LoopRecord
-from stickslip.logs.processes import processes
+from stickslip.logs.processes import cores, processes
 from stickslip.logs.tags import valve_in
 from stickslip.logs.time_limit import time_limit
 from stickslip.scan.judge import JOB_ROWS, LOOP_MAX_S, Row, row_of_valve
@@ -83,7 +82,7 @@ def _read(job: Job, places: Sequence[int]) -> Iterator[tuple[int, LoopRecord | s
 
 def _judged(asked: Sequence[tuple[str, list[Place]]], workers: int | None) -> Iterator[Row | None]:
     """The row of each valve; None where that fails."""
-    count = workers or cpu_count() or 1
+    count = workers or cores()
     if count == 1 or len(asked) == 1:
         yield from (_row(name, places) for name, places in asked)
         return

@@ -14,7 +14,7 @@ from dataclasses import replace
 from stickslip.logs import ReadError
 from stickslip.logs.cluster import LOST, ClusterError
 from stickslip.logs.cluster import on_cluster as results
-from stickslip.logs.processes import processes
+from stickslip.logs.processes import cores, processes
 from stickslip.scan.judge import JOB_ROWS, Row, judged
 from stickslip.scan.sources import Job
 
@@ -26,9 +26,7 @@ AHEAD = 2  # jobs that wait for each process, so that a list of thousands is not
 
 def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[list[Row]]:
     """Yield the rows of one job after another, as ``workers`` processes finish them (by default one process a core)."""
-    from os import cpu_count
-
-    count = workers or cpu_count() or 1
+    count = workers or cores()
     if count == 1 or len(jobs) == 1:
         for number, job in jobs:
             yield judged(job, number)

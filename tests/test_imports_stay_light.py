@@ -26,6 +26,13 @@ def test_the_front_door_loads_nothing_before_it_is_asked() -> None:
     assert "stickslip.logs" in loaded and "stickslip.blocks" not in loaded
 
 
+def test_a_fit_loads_no_simulator_and_its_refusals_not_even_the_fit() -> None:
+    loaded = loaded_by("from stickslip.remedy import fit")
+    assert "stickslip.remedy.search" in loaded and not loaded & {"control", "stickslip.blocks", "stickslip.diagram"}
+    loaded = loaded_by("from stickslip.remedy import FitError")
+    assert "stickslip.remedy.refusal" in loaded and not loaded & {"numpy", "numba", "stickslip.remedy.search"}
+
+
 def test_command_line_loads_nothing_heavy() -> None:
     heavy = {"control", "numba", "numpy", "matplotlib", "polars", "scipy", "rich"}
     assert not loaded_by("import stickslip.commands.cli") & heavy

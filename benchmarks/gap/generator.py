@@ -8,8 +8,10 @@ are of different families, so that no record of one is a record of the other.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from benchmarks.gap.compressor import doors
@@ -166,12 +168,15 @@ def staircase(rng: np.random.Generator, n: int, loop: Setting) -> Floats:
 
 def autoregression(rng: np.random.Generator, n: int) -> Floats:
     """Return a load of standard deviation 1, one value a second."""
-    a = float(np.exp(-1.0 / LOAD_TIME))
-    w = rng.normal(size=n)
-    load = np.empty(n)
-    load[0] = w[0]
-    for k in range(1, n):
-        load[k] = a * load[k - 1] + np.sqrt(1.0 - a * a) * w[k]
+    return np.asarray(_remembered(rng.normal(size=n), float(np.exp(-1.0 / LOAD_TIME))))
+
+
+@njit(cache=True)
+def _remembered(w: Any, a: float) -> Any:
+    """Return w (n,) so that a share ``a`` of each value stays in the next one."""
+    load, takes = w.copy(), np.sqrt(1.0 - a * a)
+    for k in range(1, len(w)):
+        load[k] = a * load[k - 1] + takes * w[k]
     return load
 
 

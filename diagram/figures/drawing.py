@@ -4,6 +4,7 @@ import math
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from stickslip.blocks.block import Block
@@ -143,6 +144,15 @@ def _listed(names: Sequence[str]) -> list[str]:
 
 def _width(text: str, size: float, weight: str = "normal") -> float:
     """Return the width of a text [points]."""
+    from matplotlib import rcParams
+
+    fonts = *rcParams["font.family"], *rcParams["font.sans-serif"], rcParams["mathtext.fontset"]
+    return _measured(text, size, weight, fonts)
+
+
+@lru_cache(maxsize=4096)
+def _measured(text: str, size: float, weight: str, fonts: tuple[str, ...]) -> float:
+    """Return the width of a text in the fonts set now [points]; most texts of a drawing are in the next one, too."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from stickslip.remedy import LoopFit
 
 SCHEMA = "stickslip.fit/1"
-FEWEST = 200  # samples, as ``remedy.fitting`` needs them, which is slow to load
 
 
 @click.command("fit")
@@ -89,18 +88,16 @@ def fitted(files: "Sequence[Path]", stated: "dict[str, Any]") -> "LoopFit":
 
 
 def refuse_unfit(records: "Sequence[LoopRecord]") -> None:
-    """Raise ``ValueError`` for a record that the fit would refuse at once; to load the fit takes seconds."""
+    """Raise ``FitError`` for a record that the fit would refuse at once; to load the fit takes seconds."""
     from stickslip.logs.trend import rests
+    from stickslip.remedy.refusal import STANDS, FitError, refuse_short
 
     for record in records:
         op, pv = record.op[record.good], record.pv[record.good]
         most = round(record.log.duration / record.dt) + 1 if len(record) > 1 else len(record)
-        if most < FEWEST:
-            raise ValueError(
-                f"the record has {most} samples on an even grid; {FEWEST} are needed, a few hours at the scan are good"
-            )
+        refuse_short(most)
         if not len(op) or rests(op) or rests(pv):
-            raise ValueError("OP or PV stands still all along; log a stretch in automatic in which both move")
+            raise FitError(STANDS)
 
 
 def working(what: str) -> None:

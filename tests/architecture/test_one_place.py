@@ -51,6 +51,12 @@ def _own_nodes(function: ast.AST) -> Iterator[ast.AST]:
             yield from _own_nodes(child)
 
 
+def test_how_many_cores_there_are_is_asked_in_one_file() -> None:
+    # what the machine has is more than a process may use, where it is kept to some of its cores
+    asking = offenders(lambda path: re.findall(r"cpu_count|sched_getaffinity", path.read_text()))
+    assert set(asking) == {"logs/processes.py"}
+
+
 def test_no_file_touches_the_private_fields_of_another() -> None:
     assert offenders(lambda path: private_fields(path.read_text())) == {}
 

@@ -4,7 +4,9 @@ import io
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from stickslip.logs import LoopRecord
 
 from stickslip.commands import fit
 from stickslip.commands.scan import command as scan
@@ -28,10 +30,17 @@ def test_what_cannot_be_fitted_is_refused_before_anything_heavy_is_loaded(tmp_pa
     assert said.startswith("2 False Error: ") and why in said
 
 
-def test_the_fewest_samples_are_those_of_the_fit():
-    from stickslip.remedy import fitting
+@pytest.mark.parametrize(("rows", "op"), [(199, None), (300, 50.0)])
+def test_the_command_refuses_what_the_fit_refuses_and_in_its_words(rows, op):
+    from stickslip import remedy
 
-    assert fit.FEWEST == fitting.FEWEST
+    t = np.arange(float(rows))
+    record = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=np.cos(t / 8) if op is None else np.full(rows, op))
+    with pytest.raises(remedy.FitError) as before:
+        fit.refuse_unfit([record])
+    with pytest.raises(remedy.FitError) as within:
+        remedy.fit(record)
+    assert str(before.value) == str(within.value)
 
 
 class Terminal(io.StringIO):
