@@ -270,7 +270,7 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
     """
     best = bank.tried(_sizes(start), start.hypothesis) or start
     for step in STEPS:
-        ways = dict.fromkeys(range(len(bank.one.own)), (1.0 - step, 1.0 + step))
+        ways: dict[int, tuple[float, ...]] = dict.fromkeys(range(len(bank.one.own)), (1.0 - step, 1.0 + step))
         for _ in range(OFTEN if bank.one.bare is not None else 1):
             before = best
             for k in ways:
