@@ -4,8 +4,14 @@
              stem moves, which sticks where OP stops, and as He's, which sticks again after each slip
     rivals   no input; OP; OP with any delay; OP through a bent characteristic; another answer to OP each way; another
              past of PV each way, as a sensor with hysteresis has
+    moves    each of them, sticks and rivals alike, also beside OP's last moves u(t-1) - u(t-2) and so on, where that
+             scores more
     score    log L - p/2 ln n,   p coefficients, and a delay that was chosen; S and J are the valve's, not the record's,
              and are paid for where records are pooled
+
+OP is made of more than the rows show, where the controller scans several times between two of them or a row is a mean,
+and of errors that lie further back.  So OP foretells PV whether the valve sticks or not, and without the moves a sound
+valve is preferred for that alone.  They are moves and not values, because these would be an answer of PV to OP.
 
 The order of the past and the tails of the errors are those that suit OP best, without any stick.  Three delays beside
 each other are weighed, because what hangs on one of them is no valve: 1, 2, 3, and three up to that which suits OP best
@@ -42,6 +48,7 @@ SMALLEST, LARGEST = 0.03, 1.5  # S over OP's travel
 JUMPS = ((0.0, KANO), (0.4, KANO), (1.0, KANO), (0.4, HE), (1.0, HE))  # J over S, and the law of the stem
 STARTS = (-0.9, 0.0, 0.9)  # of f_S (Kano) or f_D (He), where the stem may not move for long
 ORDERS = ((3, 3), (6, 5), (10, 8))  # rows of PV's and the input's past
+MOVES = 4  # of OP, the last ones; of 1 to 6 on loops of several scans a row (seed 1) and crossed ones (555, 556)
 TAILS = (5.0, 3.0, 10.0, 50.0)  # degrees of freedom; the first for the search of order and delay
 DELAYS = (1, 2, 3, 4, 6, 8, 11, 15, 20)
 NEAR, SURE_NATS = 4, 3.0  # a longer delay than NEAR is believed from so many nats on
@@ -86,6 +93,7 @@ class Stems:
     """A record whose stems can be weighed at any size.
 
     rows : Rows;  ks : the delays [rows];  order, tail : of the autoregression
+    bases : what stands beside an input, without and with the moves of OP, (n, p) each
     """
 
     rows: Rows
@@ -93,7 +101,7 @@ class Stems:
     order: tuple[int, int]
     tail: float
     weights: Values
-    base: Values
+    bases: tuple[Values, Values]
     delays: tuple[int, ...]
     _gains: dict[int, Gains] = field(default_factory=dict)
     _inputs_of: dict[tuple[Size, ...], Tried] = field(default_factory=dict)
@@ -112,26 +120,33 @@ class Stems:
 
     def weighed(self, k: int, sizes: Sequence[Size]) -> Gains:
         """The gains of sticks of these sizes at delay k [rows]."""
-        b, y, rows = self.order[1], self._kept(self.rows.y), self.rows
-        rivals = self._rivals(k)
-        S, jumps, laws, starts, stems = self._tried(tuple(sizes))
-        first = self._screened(stems, k)
+        (a, b), rivals = self.order, self._rivals(k)
+        both = [self._sticks(base, k, tuple(sizes)) for base in self.bases]
+        better = np.argmax([score for score, _, _ in both], axis=0)
+        score, sections, shape = (
+            np.stack(parts)[better, np.arange(len(better))] for parts in zip(*both, strict=True)
+        )  # fmt: skip
+        plain = rivals["OP"][2]
+        own = 1.0 - float(np.sum(plain[2 : 2 + a]))
+        return Gains(
+            k, np.array(sizes), score.reshape(-1, 2), sections.reshape(-1, 2, SECTIONS), shape.reshape(-1, 2, 3),
+            {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
+            float(np.sum(plain[-b:])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
+        )  # fmt: skip
+
+    def _sticks(self, base: Values, k: int, sizes: tuple[Size, ...]) -> tuple[Values, Values, Values]:
+        """Score (c,), tenths (c, SECTIONS) and shape (c, 3) of a play and of a stick of each size, beside ``base``."""
+        S, jumps, laws, starts, stems = self._tried(sizes)
+        first = self._screened(base, stems, k)
         kept = np.array([
             (lanes := np.flatnonzero((size == S) & ((jumps > 0.0) == jumping)))[np.argmax(first[lanes])]
             for size in dict.fromkeys(S.tolist()) for jumping in (False, True)
         ])  # fmt: skip
-        inputs = self._inputs(stems[:, kept], k, b)
-        X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs], axis=2)
-        fitted = lines(X, y, self.tail, rows.floor, STEPS, self.weights)
-        cost = 0.5 * math.log(len(y)) * X.shape[2]
-        a, plain = self.order[0], rivals["OP"][2]
-        own = 1.0 - float(np.sum(plain[2 : 2 + a]))
-        return Gains(
-            k, np.array(sizes), (fitted.total - cost).reshape(-1, 2), _tenths(fitted.each).reshape(-1, 2, SECTIONS),
-            np.column_stack([jumps, laws, starts])[kept].reshape(-1, 2, 3),
-            {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
-            float(np.sum(plain[2 + a :])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
-        )  # fmt: skip
+        inputs = self._inputs(stems[:, kept], k, self.order[1])
+        X = np.concatenate([np.broadcast_to(base, (len(kept), *base.shape)), inputs], axis=2)
+        fitted = lines(X, self._kept(self.rows.y), self.tail, self.rows.floor, STEPS, self.weights)
+        shapes = np.column_stack([jumps, laws, starts])[kept]
+        return fitted.total - 0.5 * math.log(len(base)) * X.shape[2], _tenths(fitted.each), shapes
 
     def _tried(self, sizes: tuple[Size, ...]) -> Tried:
         """The stems of these sizes, which are the same at all delays; kept."""
@@ -151,7 +166,7 @@ class Stems:
     @property
     def count(self) -> int:
         """Rows that count."""
-        return len(self.base)
+        return len(self.bases[0])
 
     def stem(self, S: float, shape: Values) -> Values:
         """The stem of size S and of shape (J / S, law, start) at full rate, (m,) [unit of OP]."""
@@ -171,12 +186,12 @@ class Stems:
         lagged = past(w, k, b)[self.rows.used]
         return np.ascontiguousarray(np.moveaxis(lagged, 2, 0)) if lagged.ndim == 3 else lagged[None]
 
-    def _screened(self, inputs: Values, k: int) -> Values:
+    def _screened(self, base: Values, inputs: Values, k: int) -> Values:
         """Log-likelihood of every input (n, c) but for a constant, at the weights of the line through OP, (c,)."""
         from stickslip.detect.likelihood.kernels import explained_by
 
         root, y = np.sqrt(self.weights), self._kept(self.rows.y)
-        q, _ = np.linalg.qr(self.base * root[:, None])
+        q, _ = np.linalg.qr(base * root[:, None])
         target = y * root
         target = target - q @ (q.T @ target)
         explained = np.empty((inputs.shape[1], self.order[1]))
@@ -198,28 +213,34 @@ class Stems:
             "another answer each way": [
                 *(self._inputs(np.column_stack([u * up, u * (1.0 - up)]), k, b)), past(up, k, 1)[rows.used]
             ],
-            "a sensor with hysteresis": [plain, self.base[:, 2:4] * risen, risen],
+            "a sensor with hysteresis": [plain, self.bases[0][:, 2:4] * risen, risen],
         }  # fmt: skip
         found = dict(self._at_any_delay)
         for name, parts in inputs.items():
-            found[name] = self._rival(np.concatenate([self.base, *parts], axis=1)[None], y)
+            found[name] = self._rival(np.concatenate(parts, axis=1)[None], y)
         return found
 
     @cached_property
     def _at_any_delay(self) -> dict[str, Fitted]:
         """The rivals that are the same whatever delay is assumed."""
         b, y, u = self.order[1], self._kept(self.rows.y), self.rows.input(self.rows.op)
-        late = np.stack([np.concatenate([self.base, self._inputs(u, d, b)[0]], axis=1) for d in self.delays])
+        late = np.stack([self._inputs(u, d, b)[0] for d in self.delays])
         score, each, line = self._rival(late, y)
         return {
-            "nothing": self._rival(self.base[None], y),
+            "nothing": self._rival(np.empty((1, len(y), 0)), y),
             LATE: (score - 0.5 * math.log(len(y)), each, line),  # the delay was chosen
         }
 
-    def _rival(self, X: Values, y: Values) -> Fitted:
-        fitted = lines(X, y, self.tail, self.rows.floor)
-        i = int(np.argmax(fitted.total))
-        return float(fitted.total[i]) - 0.5 * math.log(len(y)) * X.shape[2], fitted.each[i], fitted.b[i]
+    def _rival(self, inputs: Values, y: Values) -> Fitted:
+        """The best of the lines through one of the inputs (c, n, p) and what stands beside it."""
+        found = []
+        for base in self.bases:
+            X = np.concatenate([np.broadcast_to(base, (len(inputs), *base.shape)), inputs], axis=2)
+            fitted = lines(X, y, self.tail, self.rows.floor)
+            i = int(np.argmax(fitted.total))
+            score = float(fitted.total[i]) - 0.5 * math.log(len(y)) * X.shape[2]
+            found.append((score, fitted.each[i], fitted.b[i]))
+        return max(found, key=lambda one: one[0])
 
 
 def stems_of(op: Values, pv: Values) -> Stems | None:
@@ -257,7 +278,9 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     fits = {nu: lines(X, y, nu, rows.floor) for nu in TAILS}
     tail = max(TAILS, key=lambda nu: float(fits[nu].total[0]))
     ks = (1, 2, 3) if d <= NEAR else (1, 2, 3, round(0.5 * d), round(0.75 * d), d)
-    return Stems(rows, ks, (a, b), tail, fits[tail].w[0], bases[i], delays)
+    moves = past(np.diff(u, prepend=u[0]), 1, MOVES)[rows.used]
+    beside = (bases[i], np.concatenate([bases[i], moves], axis=1))
+    return Stems(rows, ks, (a, b), tail, fits[tail].w[0], beside, delays)
 
 
 def _stems(u: Values, S: Values, jumps: Values, laws: Values, starts: Values) -> Values:
