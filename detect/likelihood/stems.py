@@ -217,7 +217,7 @@ class Stems:
         }  # fmt: skip
         found = dict(self._at_any_delay)
         for name, parts in inputs.items():
-            found[name] = self._rival(np.concatenate(parts, axis=1)[None], y)
+            found[name] = self._rival(np.concatenate(parts, axis=1)[None], y, (k,))
         return found
 
     @cached_property
@@ -225,21 +225,22 @@ class Stems:
         """The rivals that are the same whatever delay is assumed."""
         b, y, u = self.order[1], self._kept(self.rows.y), self.rows.input(self.rows.op)
         late = np.stack([self._inputs(u, d, b)[0] for d in self.delays])
-        score, each, line = self._rival(late, y)
+        score, each, line = self._rival(late, y, self.delays)
         return {
             "nothing": self._rival(np.empty((1, len(y), 0)), y),
             LATE: (score - 0.5 * math.log(len(y)), each, line),  # the delay was chosen
         }
 
-    def _rival(self, inputs: Values, y: Values) -> Fitted:
-        """The best of the lines through one of the inputs (c, n, p) and what stands beside it."""
+    def _rival(self, inputs: Values, y: Values, ks: Sequence[int] = ()) -> Fitted:
+        """The best of the lines through one of the inputs (c, n, p), OP from ``ks`` rows ago on, and what is beside."""
         found = []
-        for base in self.bases:
+        twice = np.array([_repeated(k, self.order[1]) for k in ks] or [0])
+        for base, again in zip(self.bases, (0 * twice, twice), strict=True):
             X = np.concatenate([np.broadcast_to(base, (len(inputs), *base.shape)), inputs], axis=2)
             fitted = lines(X, y, self.tail, self.rows.floor)
-            i = int(np.argmax(fitted.total))
-            score = float(fitted.total[i]) - 0.5 * math.log(len(y)) * X.shape[2]
-            found.append((score, fitted.each[i], fitted.b[i]))
+            scores = fitted.total - 0.5 * math.log(len(y)) * (X.shape[2] - again)
+            i = int(np.argmax(scores))
+            found.append((float(scores[i]), fitted.each[i], fitted.b[i]))
         return max(found, key=lambda one: one[0])
 
 
@@ -281,6 +282,15 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     moves = past(np.diff(u, prepend=u[0]), 1, MOVES)[rows.used]
     beside = (bases[i], np.concatenate([bases[i], moves], axis=1))
     return Stems(rows, ks, (a, b), tail, fits[tail].w[0], beside, delays)
+
+
+def _repeated(k: int, b: int) -> int:
+    """How many of the moves follow from b values of OP from k rows ago on.
+
+    >>> _repeated(1, 3), _repeated(2, 3), _repeated(2, 8), _repeated(6, 3)
+    (2, 2, 3, 0)
+    """
+    return max(min(MOVES, k + b - 2) - k + 1, 0)
 
 
 def _stems(u: Values, S: Values, jumps: Values, laws: Values, starts: Values) -> Values:
