@@ -4,19 +4,18 @@
              stem moves, which sticks where OP stops, and as He's, which sticks again after each slip
     rivals   no input; OP; OP with any delay; OP through a bent characteristic; another answer to OP each way; another
              past of PV each way, as a sensor with hysteresis has
-    moves    each of them, sticks and rivals alike, also beside OP's last moves u(t-1) - u(t-2) and so on, where that
-             scores more
     score    log L - p/2 ln n,   p coefficients, and a delay that was chosen; S and J are the valve's, not the record's,
              and are paid for where records are pooled
-
-OP is made of more than the rows show, where the controller scans several times between two of them or a row is a mean,
-and of errors that lie further back.  So OP foretells PV whether the valve sticks or not, and without the moves a sound
-valve is preferred for that alone.  They are moves and not values, because these would be an answer of PV to OP.
 
 The order of the past and the tails of the errors are those that suit OP best, without any stick.  Three delays beside
 each other are weighed, because what hangs on one of them is no valve: 1, 2, 3, and three up to that which suits OP best
 where it is longer.  A stick makes OP like long delays, at which no stick is seen any more; so the short ones stay.
 Sizes are powers of one number in the unit of OP, so that those of several days are the same.
+
+OP is made of more than the rows show, where the controller scans several times between two of them or a row is a mean,
+and of errors that lie further back.  So OP foretells PV though the valve sticks, and a straight line beats every stick
+by that alone.  The same weighing with OP's last moves, u(t-1) - u(t-2) and so on, beside sticks and rivals alike is
+free of this (``beside_moves``).  They are moves and not values, because these would be an answer of PV to OP.
 
 Source: the prediction-error likelihood of a loop is textbook (Ljung, System Identification, 1999); rivals and limits
 are ours.
@@ -26,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -93,7 +92,7 @@ class Stems:
     """A record whose stems can be weighed at any size.
 
     rows : Rows;  ks : the delays [rows];  order, tail : of the autoregression
-    bases : what stands beside an input, without and with the moves of OP, (n, p) each
+    base : what stands beside an input, (n, p); at its end ``moves`` moves of OP
     """
 
     rows: Rows
@@ -101,8 +100,9 @@ class Stems:
     order: tuple[int, int]
     tail: float
     weights: Values
-    bases: tuple[Values, Values]
+    base: Values
     delays: tuple[int, ...]
+    moves: int = 0
     _gains: dict[int, Gains] = field(default_factory=dict)
     _inputs_of: dict[tuple[Size, ...], Tried] = field(default_factory=dict)
 
@@ -112,6 +112,13 @@ class Stems:
         low, high = (COARSE * math.log10(share * self.rows.travel) for share in (SMALLEST, LARGEST))
         return range(step * math.ceil(low), step * math.floor(high) + 1, step)
 
+    @cached_property
+    def beside_moves(self) -> Stems:
+        """The same with OP's last moves beside every stick and rival."""
+        u = self.rows.input(self.rows.op)
+        last = past(np.diff(u, prepend=u[0]), 1, MOVES)[self.rows.used]
+        return replace(self, base=np.concatenate([self.base, last], axis=1), moves=MOVES, _gains={})
+
     def gains(self, k: int) -> Gains:
         """The gains at delay k over all coarse sizes; kept."""
         if k not in self._gains:
@@ -120,33 +127,26 @@ class Stems:
 
     def weighed(self, k: int, sizes: Sequence[Size]) -> Gains:
         """The gains of sticks of these sizes at delay k [rows]."""
-        (a, b), rivals = self.order, self._rivals(k)
-        both = [self._sticks(base, k, tuple(sizes)) for base in self.bases]
-        better = np.argmax([score for score, _, _ in both], axis=0)
-        score, sections, shape = (
-            np.stack(parts)[better, np.arange(len(better))] for parts in zip(*both, strict=True)
-        )  # fmt: skip
-        plain = rivals["OP"][2]
-        own = 1.0 - float(np.sum(plain[2 : 2 + a]))
-        return Gains(
-            k, np.array(sizes), score.reshape(-1, 2), sections.reshape(-1, 2, SECTIONS), shape.reshape(-1, 2, 3),
-            {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
-            float(np.sum(plain[-b:])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
-        )  # fmt: skip
-
-    def _sticks(self, base: Values, k: int, sizes: tuple[Size, ...]) -> tuple[Values, Values, Values]:
-        """Score (c,), tenths (c, SECTIONS) and shape (c, 3) of a play and of a stick of each size, beside ``base``."""
-        S, jumps, laws, starts, stems = self._tried(sizes)
-        first = self._screened(base, stems, k)
+        b, y, rows = self.order[1], self._kept(self.rows.y), self.rows
+        rivals = self._rivals(k)
+        S, jumps, laws, starts, stems = self._tried(tuple(sizes))
+        first = self._screened(stems, k)
         kept = np.array([
             (lanes := np.flatnonzero((size == S) & ((jumps > 0.0) == jumping)))[np.argmax(first[lanes])]
             for size in dict.fromkeys(S.tolist()) for jumping in (False, True)
         ])  # fmt: skip
-        inputs = self._inputs(stems[:, kept], k, self.order[1])
-        X = np.concatenate([np.broadcast_to(base, (len(kept), *base.shape)), inputs], axis=2)
-        fitted = lines(X, self._kept(self.rows.y), self.tail, self.rows.floor, STEPS, self.weights)
-        shapes = np.column_stack([jumps, laws, starts])[kept]
-        return fitted.total - 0.5 * math.log(len(base)) * X.shape[2], _tenths(fitted.each), shapes
+        inputs = self._inputs(stems[:, kept], k, b)
+        X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs], axis=2)
+        fitted = lines(X, y, self.tail, rows.floor, STEPS, self.weights)
+        cost = 0.5 * math.log(len(y)) * X.shape[2]
+        plain = rivals["OP"][2]
+        own = 1.0 - float(np.sum(plain[2 : 2 + self.order[0]]))
+        return Gains(
+            k, np.array(sizes), (fitted.total - cost).reshape(-1, 2), _tenths(fitted.each).reshape(-1, 2, SECTIONS),
+            np.column_stack([jumps, laws, starts])[kept].reshape(-1, 2, 3),
+            {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
+            float(np.sum(plain[-b:])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
+        )  # fmt: skip
 
     def _tried(self, sizes: tuple[Size, ...]) -> Tried:
         """The stems of these sizes, which are the same at all delays; kept."""
@@ -166,7 +166,7 @@ class Stems:
     @property
     def count(self) -> int:
         """Rows that count."""
-        return len(self.bases[0])
+        return len(self.base)
 
     def stem(self, S: float, shape: Values) -> Values:
         """The stem of size S and of shape (J / S, law, start) at full rate, (m,) [unit of OP]."""
@@ -186,12 +186,12 @@ class Stems:
         lagged = past(w, k, b)[self.rows.used]
         return np.ascontiguousarray(np.moveaxis(lagged, 2, 0)) if lagged.ndim == 3 else lagged[None]
 
-    def _screened(self, base: Values, inputs: Values, k: int) -> Values:
+    def _screened(self, inputs: Values, k: int) -> Values:
         """Log-likelihood of every input (n, c) but for a constant, at the weights of the line through OP, (c,)."""
         from stickslip.detect.likelihood.kernels import explained_by
 
         root, y = np.sqrt(self.weights), self._kept(self.rows.y)
-        q, _ = np.linalg.qr(base * root[:, None])
+        q, _ = np.linalg.qr(self.base * root[:, None])
         target = y * root
         target = target - q @ (q.T @ target)
         explained = np.empty((inputs.shape[1], self.order[1]))
@@ -213,35 +213,31 @@ class Stems:
             "another answer each way": [
                 *(self._inputs(np.column_stack([u * up, u * (1.0 - up)]), k, b)), past(up, k, 1)[rows.used]
             ],
-            "a sensor with hysteresis": [plain, self.bases[0][:, 2:4] * risen, risen],
+            "a sensor with hysteresis": [plain, self.base[:, 2:4] * risen, risen],
         }  # fmt: skip
         found = dict(self._at_any_delay)
         for name, parts in inputs.items():
-            found[name] = self._rival(np.concatenate(parts, axis=1)[None], y, (k,))
+            found[name] = self._rival(np.concatenate([self.base, *parts], axis=1)[None], y, (k,))
         return found
 
     @cached_property
     def _at_any_delay(self) -> dict[str, Fitted]:
         """The rivals that are the same whatever delay is assumed."""
         b, y, u = self.order[1], self._kept(self.rows.y), self.rows.input(self.rows.op)
-        late = np.stack([self._inputs(u, d, b)[0] for d in self.delays])
+        late = np.stack([np.concatenate([self.base, self._inputs(u, d, b)[0]], axis=1) for d in self.delays])
         score, each, line = self._rival(late, y, self.delays)
         return {
-            "nothing": self._rival(np.empty((1, len(y), 0)), y),
+            "nothing": self._rival(self.base[None], y),
             LATE: (score - 0.5 * math.log(len(y)), each, line),  # the delay was chosen
         }
 
-    def _rival(self, inputs: Values, y: Values, ks: Sequence[int] = ()) -> Fitted:
-        """The best of the lines through one of the inputs (c, n, p), OP from ``ks`` rows ago on, and what is beside."""
-        found = []
-        twice = np.array([_repeated(k, self.order[1]) for k in ks] or [0])
-        for base, again in zip(self.bases, (0 * twice, twice), strict=True):
-            X = np.concatenate([np.broadcast_to(base, (len(inputs), *base.shape)), inputs], axis=2)
-            fitted = lines(X, y, self.tail, self.rows.floor)
-            scores = fitted.total - 0.5 * math.log(len(y)) * (X.shape[2] - again)
-            i = int(np.argmax(scores))
-            found.append((float(scores[i]), fitted.each[i], fitted.b[i]))
-        return max(found, key=lambda one: one[0])
+    def _rival(self, X: Values, y: Values, ks: Sequence[int] = ()) -> Fitted:
+        """The best of the lines X (c, n, p), through OP from ``ks`` rows ago on; moves are free that follow from it."""
+        fitted = lines(X, y, self.tail, self.rows.floor)
+        free = np.array([X.shape[2] - _repeated(self.moves, k, self.order[1]) for k in ks] or [X.shape[2]])
+        scores = fitted.total - 0.5 * math.log(len(y)) * free
+        i = int(np.argmax(scores))
+        return float(scores[i]), fitted.each[i], fitted.b[i]
 
 
 def stems_of(op: Values, pv: Values) -> Stems | None:
@@ -279,18 +275,16 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     fits = {nu: lines(X, y, nu, rows.floor) for nu in TAILS}
     tail = max(TAILS, key=lambda nu: float(fits[nu].total[0]))
     ks = (1, 2, 3) if d <= NEAR else (1, 2, 3, round(0.5 * d), round(0.75 * d), d)
-    moves = past(np.diff(u, prepend=u[0]), 1, MOVES)[rows.used]
-    beside = (bases[i], np.concatenate([bases[i], moves], axis=1))
-    return Stems(rows, ks, (a, b), tail, fits[tail].w[0], beside, delays)
+    return Stems(rows, ks, (a, b), tail, fits[tail].w[0], bases[i], delays)
 
 
-def _repeated(k: int, b: int) -> int:
-    """How many of the moves follow from b values of OP from k rows ago on.
+def _repeated(moves: int, k: int, b: int) -> int:
+    """How many of the last moves of OP follow from b values of it from k rows ago on.
 
-    >>> _repeated(1, 3), _repeated(2, 3), _repeated(2, 8), _repeated(6, 3)
-    (2, 2, 3, 0)
+    >>> _repeated(4, 1, 3), _repeated(4, 2, 3), _repeated(4, 2, 8), _repeated(4, 6, 3), _repeated(0, 1, 3)
+    (2, 2, 3, 0, 0)
     """
-    return max(min(MOVES, k + b - 2) - k + 1, 0)
+    return max(min(moves, k + b - 2) - k + 1, 0)
 
 
 def _stems(u: Values, S: Values, jumps: Values, laws: Values, starts: Values) -> Values:
