@@ -4,7 +4,8 @@
               beside it, because a stick is not quite the same each day; less the score of that rival which tells all
               records best, less ln(n)/2 for S and as much for J
     G       = max of G(S) over S >= 0.1 of OP's travel [nats];   G_d = G without the best tenth of any record
-    against = loss of the likeliest S >= 0.15 of OP's travel against the best rival [nats]
+    against = loss of the likeliest S >= 0.15 of OP's travel against the best rival, with OP's last moves beside both or
+              without them, whichever is less [nats]
 
     unpaid  = the most that any play or stick gains over the best rival at any delay, not paying for its size [nats]
     bends   = the most that a bent characteristic, another answer each way or a sensor with hysteresis gains over a
@@ -180,6 +181,8 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     count = max(len(one.ks) for one in records)  # 3, and 3 longer ones where OP without a stick likes a delay
     ks = [[one.ks[d] if d < len(one.ks) else one.ks[d - 3] for one in records] for d in range(count)]
     at = [_at([one.gains(k) for one, k in zip(records, each, strict=True)], records, grid, least) for each in ks]
+    free = [one.beside_moves for one in records]
+    beside = [_at([one.gains(k) for one, k in zip(free, each, strict=True)], free, grid, least) for each in ks]
     near = [_nearer(one, records, each, least) for one, each in zip(at, ks, strict=True)]
     shown = max(range(count), key=lambda d: (near[d].holds, min(near[d].gain, 2.0 * near[d].without_best)))
     best, column = near[shown], int(near[shown].jumps)
@@ -187,7 +190,9 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     shapes = tuple(part.shape[a, column] for part, a in zip(best.kept, best.at, strict=True))
     J = S * float(np.mean([shape[0] for shape in shapes]))
     low, high = _interval(best, at[shown])
-    losses = np.stack([np.maximum.accumulate(one.total.max(axis=1)[::-1])[::-1] for one in at])  # at least that large
+    losses = np.stack(
+        [np.maximum.accumulate(one.total.max(axis=1)[::-1])[::-1] for one in (*at, *beside)]
+    )  # at least that large
     worst = losses.max(axis=0)
     out = np.flatnonzero(worst <= -LOSS_NATS)
     answers = [[gains.answer for gains in one.kept] for one in at[-3:]]
@@ -200,7 +205,8 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
         min(_answers(one.kept) for one in at[-3:]), _steady(answers), travel,
         10.0 ** (grid / FINER), at[shown].total.max(axis=1), best.tenths,
         sum(one.rows.turned for one in records), float(np.median([one.rows.between for one in records])),
-        max(_bent(one)[0] for one in at), max(_bent(one)[1] for one in at), max(one.unpaid for one in at), days, shapes,
+        max(_bent(one)[0] for one in at), max(_bent(one)[1] for one in at),
+        max(one.unpaid for one in (*at, *beside)), days, shapes,
     )  # fmt: skip
 
 

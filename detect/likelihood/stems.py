@@ -12,6 +12,11 @@ each other are weighed, because what hangs on one of them is no valve: 1, 2, 3, 
 where it is longer.  A stick makes OP like long delays, at which no stick is seen any more; so the short ones stay.
 Sizes are powers of one number in the unit of OP, so that those of several days are the same.
 
+OP is made of more than the rows show, where the controller scans several times between two of them or a row is a mean,
+and of errors that lie further back.  So OP foretells PV though the valve sticks, and a straight line beats every stick
+by that alone.  The same weighing with OP's last moves, u(t-1) - u(t-2) and so on, beside sticks and rivals alike is
+free of this (``beside_moves``).  They are moves and not values, because these would be an answer of PV to OP.
+
 Source: the prediction-error likelihood of a loop is textbook (Ljung, System Identification, 1999); rivals and limits
 are ours.
 """
@@ -20,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -42,6 +47,7 @@ SMALLEST, LARGEST = 0.03, 1.5  # S over OP's travel
 JUMPS = ((0.0, KANO), (0.4, KANO), (1.0, KANO), (0.4, HE), (1.0, HE))  # J over S, and the law of the stem
 STARTS = (-0.9, 0.0, 0.9)  # of f_S (Kano) or f_D (He), where the stem may not move for long
 ORDERS = ((3, 3), (6, 5), (10, 8))  # rows of PV's and the input's past
+MOVES = 4  # of OP, the last ones; of 1 to 6 on loops of several scans a row (seed 1) and crossed ones (555, 556)
 TAILS = (5.0, 3.0, 10.0, 50.0)  # degrees of freedom; the first for the search of order and delay
 DELAYS = (1, 2, 3, 4, 6, 8, 11, 15, 20)
 NEAR, SURE_NATS = 4, 3.0  # a longer delay than NEAR is believed from so many nats on
@@ -86,6 +92,7 @@ class Stems:
     """A record whose stems can be weighed at any size.
 
     rows : Rows;  ks : the delays [rows];  order, tail : of the autoregression
+    base : what stands beside an input, (n, p); at its end ``moves`` moves of OP
     """
 
     rows: Rows
@@ -95,6 +102,7 @@ class Stems:
     weights: Values
     base: Values
     delays: tuple[int, ...]
+    moves: int = 0
     _gains: dict[int, Gains] = field(default_factory=dict)
     _inputs_of: dict[tuple[Size, ...], Tried] = field(default_factory=dict)
 
@@ -103,6 +111,13 @@ class Stems:
         step = FINER // COARSE
         low, high = (COARSE * math.log10(share * self.rows.travel) for share in (SMALLEST, LARGEST))
         return range(step * math.ceil(low), step * math.floor(high) + 1, step)
+
+    @cached_property
+    def beside_moves(self) -> Stems:
+        """The same with OP's last moves beside every stick and rival."""
+        u = self.rows.input(self.rows.op)
+        last = past(np.diff(u, prepend=u[0]), 1, MOVES)[self.rows.used]
+        return replace(self, base=np.concatenate([self.base, last], axis=1), moves=MOVES, _gains={})
 
     def gains(self, k: int) -> Gains:
         """The gains at delay k over all coarse sizes; kept."""
@@ -124,13 +139,13 @@ class Stems:
         X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs], axis=2)
         fitted = lines(X, y, self.tail, rows.floor, STEPS, self.weights)
         cost = 0.5 * math.log(len(y)) * X.shape[2]
-        a, plain = self.order[0], rivals["OP"][2]
-        own = 1.0 - float(np.sum(plain[2 : 2 + a]))
+        plain = rivals["OP"][2]
+        own = 1.0 - float(np.sum(plain[2 : 2 + self.order[0]]))
         return Gains(
             k, np.array(sizes), (fitted.total - cost).reshape(-1, 2), _tenths(fitted.each).reshape(-1, 2, SECTIONS),
             np.column_stack([jumps, laws, starts])[kept].reshape(-1, 2, 3),
             {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
-            float(np.sum(plain[2 + a :])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
+            float(np.sum(plain[-b:])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
         )  # fmt: skip
 
     def _tried(self, sizes: tuple[Size, ...]) -> Tried:
@@ -202,7 +217,7 @@ class Stems:
         }  # fmt: skip
         found = dict(self._at_any_delay)
         for name, parts in inputs.items():
-            found[name] = self._rival(np.concatenate([self.base, *parts], axis=1)[None], y)
+            found[name] = self._rival(np.concatenate([self.base, *parts], axis=1)[None], y, (k,))
         return found
 
     @cached_property
@@ -210,16 +225,19 @@ class Stems:
         """The rivals that are the same whatever delay is assumed."""
         b, y, u = self.order[1], self._kept(self.rows.y), self.rows.input(self.rows.op)
         late = np.stack([np.concatenate([self.base, self._inputs(u, d, b)[0]], axis=1) for d in self.delays])
-        score, each, line = self._rival(late, y)
+        score, each, line = self._rival(late, y, self.delays)
         return {
             "nothing": self._rival(self.base[None], y),
             LATE: (score - 0.5 * math.log(len(y)), each, line),  # the delay was chosen
         }
 
-    def _rival(self, X: Values, y: Values) -> Fitted:
+    def _rival(self, X: Values, y: Values, ks: Sequence[int] = ()) -> Fitted:
+        """The best of the lines X (c, n, p), through OP from ``ks`` rows ago on; moves are free that follow from it."""
         fitted = lines(X, y, self.tail, self.rows.floor)
-        i = int(np.argmax(fitted.total))
-        return float(fitted.total[i]) - 0.5 * math.log(len(y)) * X.shape[2], fitted.each[i], fitted.b[i]
+        free = np.array([X.shape[2] - _repeated(self.moves, k, self.order[1]) for k in ks] or [X.shape[2]])
+        scores = fitted.total - 0.5 * math.log(len(y)) * free
+        i = int(np.argmax(scores))
+        return float(scores[i]), fitted.each[i], fitted.b[i]
 
 
 def stems_of(op: Values, pv: Values) -> Stems | None:
@@ -258,6 +276,15 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     tail = max(TAILS, key=lambda nu: float(fits[nu].total[0]))
     ks = (1, 2, 3) if d <= NEAR else (1, 2, 3, round(0.5 * d), round(0.75 * d), d)
     return Stems(rows, ks, (a, b), tail, fits[tail].w[0], bases[i], delays)
+
+
+def _repeated(moves: int, k: int, b: int) -> int:
+    """How many of the last moves of OP follow from b values of it from k rows ago on.
+
+    >>> _repeated(4, 1, 3), _repeated(4, 2, 3), _repeated(4, 2, 8), _repeated(4, 6, 3), _repeated(0, 1, 3)
+    (2, 2, 3, 0, 0)
+    """
+    return max(min(moves, k + b - 2) - k + 1, 0)
 
 
 def _stems(u: Values, S: Values, jumps: Values, laws: Values, starts: Values) -> Values:

@@ -9,11 +9,12 @@ from stickslip.detect.likelihood.kernels import explained_by
 from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.regression import lines
 from stickslip.detect.likelihood.rows import rows_of
-from stickslip.detect.likelihood.stems import stems_of
+from stickslip.detect.likelihood.stems import MOVES, _repeated, stems_of
 from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.prepared import Prepared
 
 from .loops import run
+from .scanned import level
 
 
 def evidence(**how):
@@ -60,6 +61,26 @@ def test_known_dead_travel_comes_back(S, J):
     assert pytest.approx(S, rel=0.12) == found.S and found.low <= S * 1.05 and found.high >= S * 0.95
     assert found.turns >= 10 and found.gain > found.without_best > 10.0
     assert f"S of {found.S:.2g} % of OP" in said(found, True)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_stick_is_not_excluded_where_the_controller_scans_ten_times_a_row(seed):
+    stuck, sound = (stems_of(*level(S, S / 3.0, seed=seed)) for S in (3.0, 0.03))
+    found = evidence_of([stuck])
+    assert found.excluded > 3.0 and not found.clears  # without the moves all from 0.32 on lose 20 to 40 nats
+    beside, none = (evidence_of([one.beside_moves]) for one in (stuck, sound))
+    assert beside.gain > 10.0 and beside.low < 3.0 < 1.5 * beside.high
+    assert none.gain < 0.0 and not none.accuses
+
+
+def test_what_moves_tell_twice_is_paid_for_once():  # analytic: three values of OP hold two of its moves
+    found, n = stems_of(*run(seed=3)), len(stems_of(*run(seed=3)).base)
+    rank = np.linalg.matrix_rank(np.concatenate([
+        found.beside_moves.base, found._inputs(found.rows.input(found.rows.op), 1, found.order[1])[0]
+    ], axis=1))  # fmt: skip
+    a, b = found.order
+    assert found.beside_moves.base.shape == (n, 2 + a + MOVES)
+    assert rank == 2 + a + MOVES + b - _repeated(MOVES, 1, b)
 
 
 def test_a_jump_is_told_only_where_it_gains():
