@@ -130,7 +130,7 @@ def main() -> int:
         return subprocess.run([str(BIN / "python"), "docs/build.py", *arguments[1:]], cwd=ROOT, check=False).returncode
     if not job:
         return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
-    print("the tests take about 25 minutes on two cores", flush=True)
+    print("the tests take about 15 minutes on two cores", flush=True)
     return checked() or tested()
 
 

@@ -95,30 +95,31 @@ def _scans(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
 
 def _level(one: Hypothesis) -> list[dict[str, float]]:
     """Return sizes of an effect that leaves its signal the level at which it stands in the middle of the log."""
-    model, effect = one.frame.model, one.effect
-    if isinstance(effect, FactorAbout):
-        signal = effect.signal(model, one.place)
-        middle = _middle(one, signal) if signal else None
-        if middle is None:
-            return []
-        at = float(np.clip(middle / effect.unit_of(model, one.place), *one.bounds["at"]))
-        return [{"factor": factor, "at": at} for factor in FACTORS]
-    middle = _middle(one, given(model, one.place))
+    model, effect, place = one.frame.model, one.effect, one.place
+    middle = _middle(one, effect.signal(model, place) if isinstance(effect, FactorAbout) else given(model, place))
     if middle is None:
         return []
-    x = float(np.clip(middle / (100.0 * percent_out(model, one.place)), *OPEN))
+    if isinstance(effect, FactorAbout):
+        at = float(np.clip(middle / effect.unit_of(model, place), *one.bounds["at"]))
+        return [{"factor": factor, "at": at} for factor in FACTORS]
+    x = float(np.clip(middle / (100.0 * percent_out(model, place)), *OPEN))
     return [{"rangeability": R, "flow": x / flow_at(x, R)} for R in WIDE]
 
 
 def _middle(one: Hypothesis, signal: str) -> float | None:
-    """Return where a signal stands in the middle of the log, by itself or by OP; None if no log or span says so."""
-    f, (shown, values, *_) = one.frame, one.reached
+    """Return where a signal stands in the middle of the log, by itself or by OP; None if no span or log says so."""
+    f = one.frame
+    within = ends(f.model, signal) if signal else None
+    if within is None:
+        return None
     if signal in f.signals:
         return float(np.nanmedian(f.Y[:, f.signals.index(signal)]))
-    within, of_OP = ends(f.model, signal), f.model.signal_spans.get(shown)
-    if within is None or of_OP is None or not len(values):
+    entering = [s for s in map(str, f.model[one.place].input_labels) if s in f.ops]
+    op = next(iter(entering or f.ops), "")
+    of_OP = f.model.signal_spans.get(op)
+    if of_OP is None:
         return None
-    share = (float(np.median(values)) - of_OP[0]) / (of_OP[1] - of_OP[0])
+    share = (float(np.nanmedian(f.Y[:, f.signals.index(op)])) - of_OP[0]) / (of_OP[1] - of_OP[0])
     return within[0] + share * (within[1] - within[0])
 
 
