@@ -57,18 +57,23 @@ def coarse(held: Held, place: str) -> float:
     return unstated(held, place, levels(measured_by(held, place)[1]))
 
 
-def straightened(held: Held, seed: int) -> str:
+def straightened(held: Held, seed: int, fitted: Mapping[str, float] | None = None) -> str:
     """Return the signal that a historian has compressed, empty if none is.
 
-    A signal is compressed if more of its triples of rows lie on a line than in a run of the model.
+    A signal is compressed if more of its triples of rows lie on a line than in a run of the model, with the noise that
+    it states and with what is ``fitted``: where there is less noise, rounding draws more lines.
     """
+    models = [held.model] + ([held.model.with_params(held.given.settings(fitted))] if fitted else [])
     for signal, values in zip(held.signals, held.Y.T, strict=True):
         step = rounding(values)
         if signal in held.ops or sloping(values, step) < STRAIGHT:
             continue
-        plain = without_gap(held.model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
-        usual = max((sloping(log[signal], step) for log in plain), default=1.0)
-        if usual < ROUNDED and sloping(values, step) >= usual + STRAIGHT:
+        for model in models:
+            plain = without_gap(model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
+            usual = max((sloping(log[signal], step) for log in plain), default=1.0)
+            if usual >= ROUNDED or sloping(values, step) < usual + STRAIGHT:
+                break
+        else:
             return signal
     return ""
 

@@ -2,7 +2,10 @@
 
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.fits.digits import straightened
+from stickslip.logs import Log
 
+from benchmarks.foreign.record import record
+from benchmarks.foreign_models.sqrt_tank import model
 from benchmarks.gap.plant import MODELS, PlantRun
 
 
@@ -10,3 +13,12 @@ def test_lines_that_rounding_draws_are_no_historian():
     # a play makes p_1 move in ramps: 68 % of its triples are straight, 61 % of those of the model, by rounding alone
     log = PlantRun("separator_section", "deadband", "VPCS1", seed=3001).made()
     assert straightened(held_against(MODELS["separator_section"][0](), log), 0) == ""
+
+
+def test_where_noise_is_less_than_stated_rounding_draws_the_lines():
+    # noise of 0.56 times the stated one, in a record of another hand: it was a compression at .95 where nothing is
+    made, wired = record("sqrt_tank", seed=537079806, noise_factor=0.5613, load_factor=0.8888), model()
+    log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
+    held = held_against(wired.diagram, log)
+    assert straightened(held, 0) == "PV"
+    assert straightened(held, 0, {"sensor.sd": 0.0017}) == ""
