@@ -53,12 +53,9 @@ def _least_seen(found: Sequence[Candidate]) -> list[Candidate]:
     """Return candidates without factors on all of a signal, if factors that leave its level are there: these show
     less.
     """
-    about = {
-        (one.hypothesis.effect, one.hypothesis.place)
-        for one in found if one.hypothesis.level and isinstance(one.hypothesis.effect, FactorAbout)
-    }  # fmt: skip
-    all_of_it = [one for one in found if (one.hypothesis.effect, one.hypothesis.place) in about]
-    return [one for one in found if one.hypothesis.level == (one in all_of_it)]
+    each = [(one, (one.hypothesis.effect, one.hypothesis.place)) for one in found]
+    about = {at for one, at in each if one.hypothesis.level and isinstance(one.hypothesis.effect, FactorAbout)}
+    return [one for one, at in each if one.hypothesis.level == (at in about)]
 
 
 def _only_size(one: Candidate) -> Parameter | None:
