@@ -12,7 +12,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from stickslip.blocks.block import Block
+from stickslip.blocks.he_valve import HeValve
 from stickslip.blocks.quasi_static_stem import QuasiStaticStem
 from stickslip.blocks.resting_stem import RestingStem
 from stickslip.blocks.role import Role
@@ -64,3 +66,28 @@ class RestingStiction(Stiction):
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the stem."""
         return RestingStem(0.01, 0.0, low=-math.inf, high=math.inf, name=self.block(place))
+
+
+class SampledStiction(Stiction):
+    """A valve that takes OP every ``period`` [s] only, and sticks anew each time (``stickslip.blocks.he_valve``).
+
+    >>> from stickslip.plant.loops import self_regulating_loop
+    >>> SampledStiction(1.0).insert(self_regulating_loop(), "valve", S=5.0, J=2.0)["valve:stiction"].params["f_s"]
+    0.035
+    """
+
+    state = "MV"
+
+    def __init__(self, period: float) -> None:
+        self.period = period
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the stem."""
+        return HeValve(0.01, 0.0, self.period, low=-math.inf, high=math.inf, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the friction bands in units of the stem."""
+        half = 0.5 * percent_in(diagram, place)
+        S, J = values["S"], values["J"]
+        bands = {"f_s": half * (S + J), "f_d": half * np.maximum(S - J, 0.0)}
+        return {f"{self.block(place)}.{key}": value for key, value in bands.items()}

@@ -18,6 +18,7 @@ from stickslip.gap.likelihood.fit import Fit, refined, unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.left import share
 from stickslip.gap.likelihood.settling import free_names
+from stickslip.gap.records.record import Record
 
 FIRST = 14  # bands
 SHARES, MOST = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85), 0.99  # jumps as a share of S, and the largest
@@ -109,7 +110,7 @@ def replayed_stem(one: Hypothesis) -> Fit | None:
     Its noise is as the model states it: the model alone may take a stem for noise.
     """
     f = one.frame
-    head = one.of(replace(f, record=f.record.first_part(max(HEAD, min(1.0, FEWEST / len(f.Y))))))
+    head = one.of(replace(f, record=head_of(one)))
     free = dict(f.stated)
     plain, right = Search(head, free, False), Search(head, free, True)
     best = _read(right, one) or _searched(plain, right)
@@ -122,6 +123,12 @@ def replayed_stem(one: Hypothesis) -> Fit | None:
     if WORTH <= share(unfitted(found), absent) < CLEAN:
         found = refined(whole.followed(Trough(found, *AGAIN), ROUNDS).best, one.own).best
     return refined(found, free_names(one))
+
+
+def head_of(one: Hypothesis) -> Record:
+    """Return the first part of a record, which shows enough slips."""
+    f = one.frame
+    return f.record.first_part(max(HEAD, min(1.0, FEWEST / len(f.Y))))
 
 
 def _read(right: Search, one: Hypothesis) -> Innovations | None:

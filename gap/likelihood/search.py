@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress
-from stickslip.gap.effects.stiction import Stiction
+from stickslip.gap.effects.stiction import SampledStiction, Stiction
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.candidates import Candidate
@@ -17,6 +17,7 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.replayed_stems import replayed_stem
+from stickslip.gap.likelihood.sampled_stems import sampled_stem
 from stickslip.gap.likelihood.scores import at_bound
 from stickslip.gap.likelihood.settling import free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, other_law, resting, settled_stem
@@ -162,11 +163,14 @@ def _first_fit(null: Fit, found: Sequence[Fit], raced: bool, within: float, one:
             band = None
         return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
     if mine.frame.replays and mine.sticks:
-        laws = [mine]
-        if type(mine.effect) is Stiction and not mine.frame.noise:  # which law it is shows without noise only
-            laws.append(other_law(mine))
-        fits = [fit for law in laws if (fit := replayed_stem(law)) is not None]
-        return min(fits, key=lambda fit: fit.nll, default=None)
+        fits = [replayed_stem(mine)]
+        if type(mine.effect) is Stiction:
+            other = other_law(mine)
+            if isinstance(other.effect, SampledStiction):
+                fits.append(sampled_stem(other))
+            elif not mine.frame.noise:  # which law it is shows without noise only
+                fits.append(replayed_stem(other))
+        return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):
         start = with_likelier_loads(start)  # a random load has stood for the planned one

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.effects.stiction import RestingStiction, Stiction
+from stickslip.gap.effects.stiction import RestingStiction, SampledStiction, Stiction
 from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import percent_in
@@ -300,9 +300,14 @@ def _moved(size: dict[str, float], k: int, way: float) -> dict[str, float]:
 
 
 def other_law(one: Hypothesis) -> Hypothesis:
-    """Return the stem that slides on behind a held OP in place of one that sticks anew, or the other way round."""
-    law = Stiction() if isinstance(one.effect, RestingStiction) else RestingStiction()
-    return replace(one, effect=law)
+    """Return the stem that slides on in place of one that sticks anew, or the other way round.
+
+    It sticks anew whenever a scanned OP stands still, or where OP goes on, at each row.
+    """
+    f = one.frame
+    if type(one.effect) is not Stiction:
+        return replace(one, effect=Stiction())
+    return replace(one, effect=RestingStiction() if f.scanned else SampledStiction(f.record.log.dt))
 
 
 def _sizes(found: Innovations) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Every law of friction of ``blocks`` behind a continuous PI, known from OP and PV alone, in logs without noise.
+"""Every law of friction of ``blocks`` behind a continuous PI, known from OP and PV alone, with noise and without.
 
 S and J are those that the stems were given.  A stem that creeps, or that is not pulled off by itself in this loop,
 shows S - J only: then its S lies within the interval that is told.
@@ -33,9 +33,7 @@ SAME = {  # as Kano's here, so that its diagnosis is theirs
     "ChoudhuryValve": lambda: [ChoudhuryValve(S / 100.0, J / 100.0, dt=1.0, start=0.5)],
     "ChenValve": lambda: [ChenValve(S / 100.0, J / 100.0, dt=1.0, start=0.5)],
 }
-# what these do in a loop no stem of two sizes does: it sticks again at each sample, or its positioner hides it
-OUTSIDE = {
-    "StenmanValve": lambda: [StenmanValve(S / 100.0, dt=1.0, start=0.5)],
+OUTSIDE = {  # what its positioner hides no stem of two sizes does
     "Positioner": lambda: [
         Positioner(start=0.5, inputs=["OP", "MV"], outputs="p"),
         StickSlip(F_S, F_C, start=0.5, inputs="p", outputs="MV"),
@@ -48,13 +46,21 @@ def told(stem, noise=0.0):
     return diagnose(loop(IdealValve(), noise=noise), log, catalogue=ONES, limits=False)
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="S is 5.71 for 6.67: a stem of the model's law with that S is likelier"
-)
-def test_a_stem_that_sticks_at_each_sample_is_named_with_its_size():
-    (cause,) = told([HeValve.from_bands(S / 100.0, J / 100.0, 1.0, start=0.5)]).causes
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.004])
+def test_a_stem_that_sticks_at_each_sample_is_named_with_its_size(noise):
+    # the law that slides on had S = 5.71 and 6.02 without noise; with noise it was unknown
+    (cause,) = told([HeValve.from_bands(S / 100.0, J / 100.0, 1.0, start=0.5)], noise).causes
     assert (cause.effect, cause.place) == ("stiction", "valve")
     assert cause.parameters["S"].value == pytest.approx(S, rel=0.05)
+    assert cause.parameters["J"].value == pytest.approx(J, rel=0.05)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+def test_a_stem_that_jumps_by_all_that_it_sticks_is_named_with_its_size(noise):
+    (cause,) = told([StenmanValve(S / 100.0, dt=1.0, start=0.5)], noise).causes
+    assert (cause.effect, cause.place) == ("stiction", "valve")
+    for size in ("S", "J"):
+        assert cause.parameters[size].value == pytest.approx(S, rel=0.05)
 
 
 @pytest.mark.parametrize("law", CREEPING)
@@ -64,7 +70,7 @@ def test_a_stem_that_shows_its_play_only_is_named_with_an_interval_that_has_its_
     assert (cause.effect, cause.place) == ("stiction", "valve")
     shown = cause.parameters["S"]
     assert shown.low <= S <= shown.high
-    assert shown.value == pytest.approx(S - J, rel=0.1)
+    assert shown.value == pytest.approx(S - J, rel=0.06)
 
 
 @pytest.mark.parametrize("law", SAME)
