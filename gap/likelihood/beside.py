@@ -6,10 +6,10 @@ likeliest path is: what is found beside that path becomes the part beside which 
 
 from dataclasses import replace
 
+from stickslip.gap.likelihood.few_stems import known_stem
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.stems import known_stem
 
 
 def with_effect(first: Fit) -> Frame:

@@ -93,7 +93,7 @@ def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
     """Return a compression that makes as many straight lines as the log has, if these are more than the model's own."""
     f = null.best.hypothesis.frame
     place = next(iter(effect.places(f.model)), "historian")
-    signal = straightened(f, seed, {key: null.best.values[key] for key in f.free})
+    signal = straightened(f, seed)
     size = deviation(f, f.stated, effect, place, signal, seed) if signal else None
     return _as(null, Hypothesis(f, effect, place), {"deviation": size}) if size is not None else None
 

@@ -23,13 +23,13 @@ from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.constancy import constancy
+from stickslip.gap.likelihood.few_stems import known_stem
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import played
 from stickslip.gap.likelihood.left import judged_by_loss, nearly_all
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.scores import at_bound, basis, trusted
-from stickslip.gap.likelihood.stems import known_stem
 from stickslip.gap.likelihood.threads import in_threads
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
 from stickslip.logs import Log

@@ -88,7 +88,7 @@ def fitted(
 ) -> list[Fit]:
     """Return the fits of the candidates of the highest scores, the likeliest first; ``raced``: how they were found.
 
-    ``within``: the nll that first sizes of a stem have to come to, or it is not fitted.
+    ``within``: the nll that first sizes of a stem have to come to, or it is not fitted; infinite where there is a gap.
     """
     first: tuple[Fit, ...] = ()
     least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
@@ -161,7 +161,8 @@ def _first_fit(null: Fit, found: Sequence[Fit], raced: bool, within: float, one:
             if not mine.cheap:  # what no play explains to some part a stem that jumps hardly ever explains
                 return None
             band = None
-        return fitted_stem(null, mine, band, min(within, _within_reach(null, found)))
+        reach = min(within, _within_reach(null, found))
+        return fitted_stem(null, mine, band, reach, fairly=math.isinf(within))
     if mine.frame.replays and mine.sticks:
         fits = [replayed_stem(mine)]
         if type(mine.effect) is Stiction:

@@ -18,9 +18,9 @@ from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import percent_in
 from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.few_stems import FewStems, known_stem, on_path
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
-from stickslip.gap.likelihood.known_stem import KnownStem
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.likelihood.threads import in_threads
 
@@ -49,11 +49,14 @@ class StemFit(Fit):
     """The fit of a stem, with all ``trials`` of its sizes that share noise and gains."""
 
     trials: tuple[Innovations, ...]
+    few: FewStems | None
 
 
 @dataclass(eq=False)
 class Bank:
-    """Trials of one stem with ``shared`` values of noise, loads, tolerances, and gains of the filter ``near``."""
+    """Trials of one stem with ``shared`` values of noise, loads, tolerances, and gains of the filter ``near``; ``few``
+    says what its stems lose, where that is made up.
+    """
 
     one: Hypothesis
     shared: dict[str, float]
@@ -61,6 +64,7 @@ class Bank:
     count: int = STEMS
     trials: list[Innovations] = field(default_factory=list)
     asked: dict[tuple[object, ...], Innovations | None] = field(default_factory=dict)
+    few: FewStems | None = None
 
     def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
         """Return what a bank of these sizes leaves; None where they cannot be, a run fails, or others are far ahead."""
@@ -80,6 +84,8 @@ class Bank:
             return None
         if not math.isfinite(found.nll):
             return None
+        if self.few is not None:
+            found = replace(found, charge=self.few.lost(self.one, self.count))
         self.trials.append(found)
         return found
 
@@ -87,15 +93,24 @@ class Bank:
         """Return the likeliest trial."""
         return min(self.trials, key=_nll, default=None)
 
+    @property
+    def least(self) -> float:
+        """Negative logarithm of the likelihood of the likeliest trial [nats]."""
+        return min(map(_nll, self.trials))
 
-def fitted_stem(null: Fit, one: Hypothesis, without: Fit | None = None, within: float = math.inf) -> Fit | None:
+
+def fitted_stem(
+    null: Fit, one: Hypothesis, without: Fit | None = None, within: float = math.inf, fairly: bool = True
+) -> Fit | None:
     """Return the fit of a stem, a band or, from the fit ``without`` one, a jump; None where no run follows it.
 
-    ``within``: the nll that its first sizes have to come to, or it is not fitted.
+    ``within``: the nll that its first sizes have to come to, or it is not fitted; ``fairly``: whether what few stems
+    lose is made up.
     """
     one = one.of(replace(one.frame, draws=BETWEEN))
-    banks = sorted(_looked_at(null, one, without), key=lambda bank: min(map(_nll, bank.trials)))
-    near = [bank for bank in banks if min(map(_nll, bank.trials)) <= within]
+    few = FewStems(null, _without_band(one)) if fairly else None
+    banks = sorted(_looked_at(null, one, without, few), key=lambda bank: bank.least)
+    near = [bank for bank in banks if bank.least <= within]
     fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]
     return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
 
@@ -107,35 +122,35 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=_nll, default=None)
     if best is None:
         return None
-    known = refined(_known(one, best.stem).filtered(shared), tuple(one.frame.free), ROUNDS)
+    known = refined(known_stem(best).filtered(shared), tuple(one.frame.free), ROUNDS)
     shared = {key: known.best.values[key] for key in one.frame.free}
-    last = _with_path(one, shared, best.stem)
+    last = _with_path(one, shared, best.stem, bank.few)
     if last is None:
         return None
     _refined(last, best)
     return _finished(last, known) if last.trials else None
 
 
-def _looked_at(null: Fit, one: Hypothesis, without: Fit | None) -> list[Bank]:
+def _looked_at(null: Fit, one: Hypothesis, without: Fit | None, few: FewStems | None) -> list[Bank]:
     """Return banks with trials of first sizes that show beside a stem that goes where OP sends it.
 
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
     """
     fitted = {key: (without or null).best.values[key] for key in one.frame.free}
     both = without is None or one.bare is not None
-    path = without.best.stem if without is not None else _ideal(null, one)
-    if path is None:
+    try:
+        path = without.best.stem if without is not None else FewStems(null, _without_band(one)).path(one)
+    except ArithmeticError:
         return []
     starts = (fitted, dict(one.frame.stated)) if both else (fitted,)
-    banks = [bank for shared in starts if (bank := _with_path(one, shared, path, FEW)) is not None]
+    banks = [bank for shared in starts if (bank := _with_path(one, shared, path, few, FEW)) is not None]
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
     pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
     first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
     in_threads(lambda trial: trial[0].tried(trial[1]), [(bank, size) for bank in banks for size in first])
-    bests = [bank.best() for bank in banks]
     return [
-        bank for bank, best, at_rest in zip(banks, bests, still, strict=True)
-        if best is not None and (at_rest is None or best.nll < at_rest.nll - SHOWS)
+        bank for bank, at_rest in zip(banks, still, strict=True)
+        if bank.trials and (at_rest is None or bank.least < at_rest.nll - SHOWS)
     ]  # fmt: skip
 
 
@@ -175,9 +190,9 @@ def settled_stem(fit: Fit) -> Fit:
     one = best.hypothesis.of(replace(best.hypothesis.frame, apart=False))
     shared = {key: best.values[key] for key in one.frame.free}
     found: list[Bank] = []
-    switched = with_switches(_known(one, best.stem).filtered(shared)).hypothesis.frame
+    switched = with_switches(on_path(one, best.stem).filtered(shared)).hypothesis.frame
     for frame in dict.fromkeys((one.frame, switched)):
-        bank = _with_path(one.of(frame), shared, best.stem)
+        bank = _with_path(one.of(frame), shared, best.stem, fit.few)
         if bank is not None and bank.tried(_sizes(best)) is not None:
             found.append(bank)
     if not found:
@@ -203,7 +218,7 @@ def _finished(bank: Bank, known: Fit) -> Fit:
     slopes = np.concatenate([np.zeros((len(names), *rows)), known.slopes.reshape(-1, *rows)])
     information = np.zeros((len(names) + len(known.names),) * 2)
     information[: len(names), : len(names)], information[len(names) :, len(names) :] = np.diag(sure), known.I
-    return StemFit(last, (*names, *known.names), information, slopes, tuple(mine))
+    return StemFit(last, (*names, *known.names), information, slopes, tuple(mine), bank.few)
 
 
 def _last(bank: Bank) -> Innovations:
@@ -314,33 +329,14 @@ def _sizes(found: Innovations) -> dict[str, float]:
     return {name: found.values[name] for name in found.hypothesis.own}
 
 
-def _ideal(null: Fit, one: Hypothesis) -> Floats | None:
-    """Return where the stem would be that goes where OP sends it, at each stop."""
-    try:
-        near = null.hypothesis.filtered(null.best.values, joined=True)
-        return left_by_bank(one, {**null.best.values, **_without_band(one)}, near, 1).stem
-    except ArithmeticError:
-        return None
-
-
-def _known(one: Hypothesis, path: Floats | None) -> Hypothesis:
-    """Return the hypothesis that the stem went a path."""
-    assert path is not None
-    times, _ = one.frame.stops
-    return Hypothesis(one.frame, KnownStem(times, path, "previous" if one.frame.scanned else "linear"), one.place)
-
-
-def _with_path(one: Hypothesis, shared: dict[str, float], path: Floats | None, count: int = STEMS) -> Bank | None:
+def _with_path(
+    one: Hypothesis, shared: dict[str, float], path: Floats | None, few: FewStems | None, count: int = STEMS
+) -> Bank | None:
     """Return a bank whose gains are those of a filter that knows the path of the stem."""
     try:
-        return Bank(one, shared, _known(one, path).filtered(shared, joined=True), count)
+        return Bank(one, shared, on_path(one, path).filtered(shared, joined=True), count, few=few)
     except ArithmeticError:
         return None
-
-
-def known_stem(best: Innovations) -> Hypothesis:
-    """Return the hypothesis that the stem of a bank went its likeliest path."""
-    return _known(best.hypothesis, best.stem)
 
 
 def _nll(found: Innovations) -> float:

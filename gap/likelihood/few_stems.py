@@ -1,0 +1,68 @@
+"""What a bank loses of a log-likelihood because its stems are few: known where the stem goes where OP sends it.
+
+There the model alone says the same by its filter, without a bank.  What the two differ by is the bank's, and a stem of
+any size loses about as much: its log-likelihood is compared with that of effects that need no bank once it is made up.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.known_stem import KnownStem
+
+Floats = NDArray[np.float64]
+MOST = 0.25  # nats a row that stems may lose; a bank that loses more has lost its way, and nothing is made up
+
+
+@dataclass(frozen=True, eq=False)
+class FewStems:
+    """A stem that goes where OP sends it beside the model ``null`` without one; ``size`` of such a stem."""
+
+    null: Fit
+    size: Mapping[str, float]
+    known: dict[tuple[Frame, int], float] = field(default_factory=dict)
+
+    def lost(self, one: Hypothesis, count: int) -> float:
+        """Return what ``count`` stems lose in the record of a hypothesis, at most 0 [nats]."""
+        key = one.frame, count
+        if key not in self.known:
+            try:
+                self.known[key] = self._lost(one, count)
+            except ArithmeticError:
+                self.known[key] = 0.0
+        return self.known[key]
+
+    def _lost(self, one: Hypothesis, count: int) -> float:
+        values = self.null.best.values
+        alone = self.null.best.hypothesis
+        exact = tried(alone.of(replace(alone.frame, apart=one.frame.apart)), values)
+        near = on_path(one, self.path(one)).filtered(values, joined=True)
+        few = left_by_bank(one, {**values, **self.size}, near, count)
+        lost = few.nll - exact.nll if exact is not None else 0.0
+        return -lost if 0.0 < lost < MOST * len(few.e) else 0.0
+
+    def path(self, one: Hypothesis) -> Floats | None:
+        """Return where the stem would be at each stop.
+
+        Raises ``ArithmeticError`` where no run follows the record.
+        """
+        values = self.null.best.values
+        near = self.null.hypothesis.filtered(values, joined=True)
+        return left_by_bank(one, {**values, **self.size}, near, 1).stem
+
+
+def on_path(one: Hypothesis, path: Floats | None) -> Hypothesis:
+    """Return the hypothesis that the stem of another went a path."""
+    assert path is not None
+    times, _ = one.frame.stops
+    return Hypothesis(one.frame, KnownStem(times, path, "previous" if one.frame.scanned else "linear"), one.place)
+
+
+def known_stem(best: Innovations) -> Hypothesis:
+    """Return the hypothesis that the stem of a bank went its likeliest path."""
+    return on_path(best.hypothesis, best.stem)
