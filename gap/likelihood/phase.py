@@ -3,10 +3,14 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.likelihood.switches import with_switches
 
+Floats = NDArray[np.float64]
 PHASES = 8  # shares of a scan that are tried
 CLEAR = 10.0  # nats that another phase must gain
 ROWS = 400  # in which phases that lag are left out
@@ -20,12 +24,28 @@ def in_phase(now: Innovations) -> Innovations:
         return now
     first = math.floor(log.t[0] / scan) * scan
     starts = [first + scan * k / PHASES for k in range(PHASES)]
+    others = {_scans_before(log.t + (start - log.t[0]), scan): _shifted(frame, start) for start in starts}
+    others.pop(_scans_before(log.t, scan), None)
     likeliest, least = now, now.nll - CLEAR
-    for one in _likely(now, [_shifted(frame, t) for t in starts if abs(t - log.t[0]) > 1e-6 * scan]):
-        found = tried(now.hypothesis.of(one), now.values)
+    for one in _likely(now, list(others.values())):
+        found = _switched(now, one)
         if found is not None and found.nll < least:
             likeliest, least = found, found.nll
     return likeliest
+
+
+def _scans_before(t: Floats, scan: float) -> bytes:
+    """Return how many scans lie before each row, and at which rows: phases that do not differ in it are one."""
+    scans = t / scan
+    near = np.round(scans)
+    at = np.abs(scans - near) < 1e-6
+    return np.where(at, 2 * near, 2 * np.floor(scans) + 1).tobytes()
+
+
+def _switched(now: Innovations, frame: Frame) -> Innovations | None:
+    """Return what is left in a frame, its inputs switching when that suits it: those of another phase may not."""
+    found = tried(now.hypothesis.of(frame), now.values)
+    return None if found is None else with_switches(found)
 
 
 def _shifted(frame: Frame, start: float) -> Frame:
@@ -40,6 +60,6 @@ def _likely(now: Innovations, frames: list[Frame]) -> list[Frame]:
     if share >= 0.5:
         return frames
     heads = [replace(one, record=one.record.first_part(share)) for one in frames]
-    left = [tried(now.hypothesis.of(one), now.values) for one in heads]
+    left = [_switched(now, one) for one in heads]
     losses = [math.inf if one is None else one.nll for one in left]
     return [one for one, loss in zip(frames, losses, strict=True) if loss < min(losses) + CLEAR]
