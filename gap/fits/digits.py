@@ -1,6 +1,6 @@
 """What the digits of a measurement show: levels of a coarse sensor, straight lines of a compressing historian."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
 RUNS = 6  # of the model, which tell how many straight triples are usual
-ROUNDED = 0.5  # share from which on rounding draws the lines, and a historian is not told by them
+ROUNDED = 0.4  # share from which on rounding draws the lines, and a historian is not told by them
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own log has
 NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
@@ -57,21 +57,23 @@ def coarse(held: Held, place: str) -> float:
     return unstated(held, place, levels(measured_by(held, place)[1]))
 
 
-def straightened(held: Held, seed: int) -> str:
+def straightened(held: Held, seed: int, others: Sequence[Mapping[str, float]] = ()) -> str:
     """Return the signal that a historian has compressed, empty if none is.
 
-    A signal is compressed if more of its triples of rows lie on a line than in a run of the model, be it as stated or
-    with as little noise and as small loads as that allows: the less there is of them, the more lines rounding draws.
+    A signal is compressed if more of its triples of rows lie on a line than in a run of the model, with the noise that
+    it states and with ``others`` that are possible: the less there is of it, the more lines rounding draws.
     """
-    least = {key: low for key, (low, _) in held.given.random.items() if key.endswith(".sd")}
-    quietest = held.model.with_params(held.given.settings(least))
+    models = [held.model, *(held.model.with_params(held.given.settings(one)) for one in others)]
     for signal, values in zip(held.signals, held.Y.T, strict=True):
         step = rounding(values)
         if signal in held.ops or sloping(values, step) < STRAIGHT:
             continue
-        plain = [log for one in (held.model, quietest) for log in without_gap(one, held.record, RUNS, seed + 1)]
-        usual = max((sloping(log[signal], step) for log in plain), default=1.0)
-        if usual < ROUNDED and sloping(values, step) >= usual + STRAIGHT:
+        for model in models:
+            plain = without_gap(model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
+            usual = max((sloping(log[signal], step) for log in plain), default=1.0)
+            if usual >= ROUNDED or sloping(values, step) < usual + STRAIGHT:
+                break
+        else:
             return signal
     return ""
 

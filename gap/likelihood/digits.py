@@ -22,6 +22,7 @@ from stickslip.gap.records.record import rounding
 
 IN_ACCORD, MOST = 0.3, 0.8  # of the usual size: so small are most residuals that no rounding of the log has made
 LATTICE_RUNS = 6  # of the model, which tell how much is usual
+NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
 
 
@@ -93,7 +94,10 @@ def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
     """Return a compression that makes as many straight lines as the log has, if these are more than the model's own."""
     f = null.best.hypothesis.frame
     place = next(iter(effect.places(f.model)), "historian")
-    signal = straightened(f, seed)
+    fitted = {key: null.best.values[key] for key in f.free}
+    usual = NORMAL * float(np.nanmin(np.nanmedian(np.abs(null.best.e), axis=0)))  # what shows in few rows is no noise
+    less = {key: usual * size for key, size in fitted.items() if key.endswith(".sd")}
+    signal = straightened(f, seed, [fitted, {**fitted, **less}] if fitted else [])
     size = deviation(f, f.stated, effect, place, signal, seed) if signal else None
     return _as(null, Hypothesis(f, effect, place), {"deviation": size}) if size is not None else None
 

@@ -2,7 +2,7 @@
 
     u = what is played + d,      d ~ N(0, step^2/12)             anew where the input moves, else as it was
     between rows in a line:      d' = d q + w,  q = (1 - f')/(1 - f),  w ~ N(0, 4 s^2 (f' - f) q)     a Brownian bridge
-                                 f, f': shares of the way from row to row;  s: ``spread`` halfway, or half of a jump
+                                 f, f': shares of the way from row to row;  s: the spread halfway, or half of a jump
 
 A set point of a cascade, of a ratio or of a higher control is a number with all digits, of which the log keeps some.
 A spread is that of a random walk halfway between its rows: what one row misses the middle of its neighbours by, over
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
@@ -21,12 +22,13 @@ Floats = NDArray[np.float64]
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
+NEAR = 101  # rows over which an input is taken to move alike
 NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 
 
 @dataclass(frozen=True)
 class Doubt:
-    """The ``step`` to which the log rounds an input, and its ``spread`` halfway between two rows [its unit]."""
+    """The ``step`` to which the log rounds an input, and its usual ``spread`` halfway between two rows [its unit]."""
 
     step: float
     spread: float = 0.0
@@ -44,7 +46,7 @@ class Doubt:
             since = np.where(np.diff(k, prepend=-1) == 0, np.concatenate([[0.0], share[:-1]]), 0.0)
             steps = np.abs(np.diff(values))
             jumps = steps > JUMP * NORMAL * float(np.median(steps))  # somewhere between the rows
-            wide = np.where(jumps, 0.5 * steps, self.spread)[k]
+            wide = np.where(jumps, 0.5 * steps, spreads(values)[:-1])[k]
             moving = ~at_row & (fresh[k] | fresh[k + 1])
             phi[moving] = ((1.0 - share) / (1.0 - since))[moving]
             sd[moving] = 2.0 * (wide * np.sqrt((share - since) * (1.0 - share) / (1.0 - since)))[moving]
@@ -67,10 +69,17 @@ def moves(record: Record, signal: str) -> bool:
 
 def in_lines(record: Record, signal: str) -> Doubt:
     """Return the doubt of an input that moves all the time, and goes in lines from row to row."""
-    v = record.log[signal]
-    off = v[1:-1] - 0.5 * (v[:-2] + v[2:])
-    spread = NORMAL * float(np.median(np.abs(off))) / np.sqrt(2.0)
+    spread = float(np.median(spreads(record.log[signal])))
     return Doubt(0.0 if switches(record.log, signal) else rounding(record.known(signal)), spread)
+
+
+def spreads(values: Floats) -> Floats:
+    """Return the spread of an input halfway to the next row, near each row: the set point of a ratio moves more where
+    the ratio is larger.
+    """
+    off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    usual = NORMAL * median_filter(off, min(NEAR, len(off)), mode="nearest") / np.sqrt(2.0)
+    return np.concatenate([usual[:1], usual, usual[-1:]])
 
 
 def played(

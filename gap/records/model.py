@@ -28,7 +28,7 @@ LONGEST = 1000.0  # times of rows x interval; a model is replayed through every 
 RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
 SIZES = ("sd", "correlation_time")  # parameters of a block that draws random numbers
-WHITE, LOAD, TIME = 1.9, 4.0, 5.0  # factors within which the stated noise, loads and times of loads are believed
+WHITE, LOAD, TIME = 2.2, 4.0, 5.0  # factors within which the stated noise, loads and times of loads are believed
 
 
 @dataclass(frozen=True)

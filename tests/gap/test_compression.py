@@ -1,6 +1,8 @@
 """Straight lines that a historian draws, and those that rounding draws."""
 
+from stickslip.gap import diagnose
 from stickslip.gap.diagnosis import held_against
+from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import straightened
 from stickslip.logs import Log
 
@@ -20,12 +22,16 @@ def test_where_noise_is_less_than_stated_rounding_draws_the_lines():
     # noise of 0.56 times the stated one, in a record of another hand: it was a compression at .95 where nothing is
     made, wired = record("sqrt_tank", seed=537079806, noise_factor=0.5613, load_factor=0.8888), model()
     log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
-    assert straightened(held_against(wired.diagram, log), 0) == ""
+    held = held_against(wired.diagram, log)
+    assert straightened(held, 0) == "PV"
+    assert straightened(held, 0, [{"sensor.sd": 0.0017}]) == ""
 
 
-def test_where_loads_are_less_than_stated_too_it_does_so():
+def test_where_an_effect_hides_that_noise_is_less_rounding_draws_the_lines_too():
     # a dead time of a loop whose noise and loads are half as large as stated: it was a compression at .95
     made = record("two_by_two", "dead_time", 0.7066, 1874811447, noise_factor=0.5655, load_factor=0.501)
     wired = pair()
     log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
-    assert straightened(held_against(wired.diagram, log), 0) == ""
+    one = [effect("compression"), effect("dead_time")]
+    report = diagnose(wired.diagram, log, catalogue=one, limits=False, progress=False)
+    assert report.gap and all(cause.effect != "compression" for cause in report.causes)
