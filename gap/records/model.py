@@ -28,7 +28,9 @@ LONGEST = 1000.0  # times of rows x interval; a model is replayed through every 
 RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
 SIZES = ("sd", "correlation_time")  # parameters of a block that draws random numbers
-WHITE, LOAD, TIME = 2.2, 4.0, 5.0  # factors within which the stated noise, loads and times of loads are believed
+# factors within which stated loads and their times are believed, and by which white noise may be less or more than
+# stated: twice as much or half is a note, more is a noisier sensor
+LOAD, TIME, LESS, MORE = 4.0, 5.0, 2.2, 2.05
 
 
 @dataclass(frozen=True)
@@ -123,12 +125,12 @@ def stated_about(diagram: Diagram) -> dict[str, tuple[float, float]]:
     found = {}
     for one in nuisances(diagram):
         coloured = one.correlation_time > 0.0
-        sizes = [("sd", one.sd, LOAD if coloured else WHITE)]
-        sizes += [("correlation_time", one.correlation_time, TIME)] if coloured else []
-        for name, value, by in sizes:
+        sizes = [("sd", one.sd, LOAD, LOAD) if coloured else ("sd", one.sd, LESS, MORE)]
+        sizes += [("correlation_time", one.correlation_time, TIME, TIME)] if coloured else []
+        for name, value, less, more in sizes:
             key = f"{one.block}.{name}"
             share = diagram.tolerances.get(key)
-            found[key] = (value / by, value * by) if share is None else (value * (1 - share), value * (1 + share))
+            found[key] = (value / less, value * more) if share is None else (value * (1 - share), value * (1 + share))
     return found
 
 
