@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
-NEAR = 101  # rows over which an input is taken to move alike
+NEAR = 61  # rows over which an input is taken to move alike
 NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 
 

@@ -26,7 +26,9 @@ def in_phase(now: Innovations) -> Innovations:
     starts = [first + scan * k / PHASES for k in range(PHASES)]
     others = {_scans_before(log.t + (start - log.t[0]), scan): _shifted(frame, start) for start in starts}
     others.pop(_scans_before(log.t, scan), None)
-    likeliest, least = now, now.nll - CLEAR
+    if not others:
+        return now
+    likeliest, least = now, with_switches(now).nll - CLEAR
     for one in _likely(now, list(others.values())):
         found = _switched(now, one)
         if found is not None and found.nll < least:
