@@ -16,8 +16,8 @@ FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
 RUNS = 6  # of the model, which tell how many straight triples are usual
-ROUNDED = 0.4  # share from which on rounding draws the lines, and a historian is not told by them
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own log has
+ROUNDED = 0.4  # share from which on rounding draws the lines, and a historian is not told by them
 NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
 

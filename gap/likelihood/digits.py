@@ -13,6 +13,7 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.inputs import NORMAL
 from stickslip.gap.likelihood.judge import enough, judged
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import free_names
@@ -22,7 +23,6 @@ from stickslip.gap.records.record import rounding
 
 IN_ACCORD, MOST = 0.3, 0.8  # of the usual size: so small are most residuals that no rounding of the log has made
 LATTICE_RUNS = 6  # of the model, which tell how much is usual
-NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
 
 

@@ -26,6 +26,7 @@ class FewStems:
     null: Fit
     size: Mapping[str, float]
     known: dict[tuple[Frame, int], float] = field(default_factory=dict)
+    paths: dict[Frame, Floats | None] = field(default_factory=dict)
 
     def lost(self, one: Hypothesis, count: int) -> float:
         """Return what ``count`` stems lose in the record of a hypothesis, at most 0 [nats]."""
@@ -51,9 +52,11 @@ class FewStems:
 
         Raises ``ArithmeticError`` where no run follows the record.
         """
-        values = self.null.best.values
-        near = self.null.hypothesis.filtered(values, joined=True)
-        return left_by_bank(one, {**values, **self.size}, near, 1).stem
+        if one.frame not in self.paths:
+            values = self.null.best.values
+            near = self.null.hypothesis.filtered(values, joined=True)
+            self.paths[one.frame] = left_by_bank(one, {**values, **self.size}, near, 1).stem
+        return self.paths[one.frame]
 
 
 def on_path(one: Hypothesis, path: Floats | None) -> Hypothesis:

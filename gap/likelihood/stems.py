@@ -108,8 +108,8 @@ def fitted_stem(
     lose is made up.
     """
     one = one.of(replace(one.frame, draws=BETWEEN))
-    few = FewStems(null, _without_band(one)) if fairly else None
-    banks = sorted(_looked_at(null, one, without, few), key=lambda bank: bank.least)
+    few = FewStems(null, _without_band(one))
+    banks = sorted(_looked_at(few, one, without, fairly), key=lambda bank: bank.least)
     near = [bank for bank in banks if bank.least <= within]
     fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]
     return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
@@ -131,19 +131,20 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     return _finished(last, known) if last.trials else None
 
 
-def _looked_at(null: Fit, one: Hypothesis, without: Fit | None, few: FewStems | None) -> list[Bank]:
+def _looked_at(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool) -> list[Bank]:
     """Return banks with trials of first sizes that show beside a stem that goes where OP sends it.
 
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
     """
-    fitted = {key: (without or null).best.values[key] for key in one.frame.free}
+    fitted = {key: (without or few.null).best.values[key] for key in one.frame.free}
     both = without is None or one.bare is not None
     try:
-        path = without.best.stem if without is not None else FewStems(null, _without_band(one)).path(one)
+        path = without.best.stem if without is not None else few.path(one)
     except ArithmeticError:
         return []
     starts = (fitted, dict(one.frame.stated)) if both else (fitted,)
-    banks = [bank for shared in starts if (bank := _with_path(one, shared, path, few, FEW)) is not None]
+    made = [_with_path(one, shared, path, few if fairly else None, FEW) for shared in starts]
+    banks = [bank for bank in made if bank is not None]
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
     pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
     first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
