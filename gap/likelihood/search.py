@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +20,7 @@ from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.replayed_stems import replayed_stem
 from stickslip.gap.likelihood.sampled_stems import sampled_stem
 from stickslip.gap.likelihood.scores import at_bound
-from stickslip.gap.likelihood.settling import free_names, settled
+from stickslip.gap.likelihood.settling import FIRST, free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, other_law, resting, settled_stem
 from stickslip.gap.likelihood.threads import in_threads
 
@@ -175,7 +176,17 @@ def _first_fit(null: Fit, found: Sequence[Fit], raced: bool, within: float, one:
     start = _likelier_noise(tried(mine, one.values) if raced else _own_filter(null, one))
     if start is not None and mine.effect is not None and is_load(mine.effect):
         start = with_likelier_loads(start)  # a random load has stood for the planned one
-    return None if start is None else settled(unfitted(start), 1)
+    return None if start is None else settled(unfitted(_apart_from_switches(start)), 1)
+
+
+def _apart_from_switches(start: Innovations) -> Innovations:
+    """Return a fit in rows that no switch of an input is near, for the model alone has placed these as suits it; the
+    start where that is likelier.
+    """
+    one = start.hypothesis
+    there = None if one.frame.replays else tried(one.of(replace(one.frame, apart=True)), start.values)
+    found = None if there is None else tried(one, refined(there, free_names(one), FIRST).best.values)
+    return found if found is not None and found.nll < start.nll else start
 
 
 def _likelier_noise(start: Innovations | None) -> Innovations | None:

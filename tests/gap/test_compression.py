@@ -1,9 +1,12 @@
 """Straight lines that a historian draws, and those that rounding draws."""
 
-from stickslip.gap import diagnose
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import straightened
+from stickslip.gap.likelihood.digits import by_digits
+from stickslip.gap.likelihood.framing import when_switched
+from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.likelihood.verdict import Verdict
 from stickslip.logs import Log
 
 from benchmarks.foreign.record import record
@@ -32,6 +35,6 @@ def test_where_an_effect_hides_that_noise_is_less_rounding_draws_the_lines_too()
     made = record("two_by_two", "dead_time", 0.7066, 1874811447, noise_factor=0.5655, load_factor=0.501)
     wired = pair()
     log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
-    one = [effect("compression"), effect("dead_time")]
-    report = diagnose(wired.diagram, log, catalogue=one, limits=False, progress=False)
-    assert report.gap and all(cause.effect != "compression" for cause in report.causes)
+    null = model_alone(when_switched(held_against(wired.diagram, log)))
+    gap = Verdict(100.0, "", 0.0, 4.0)
+    assert by_digits(null, gap, [effect("compression")], 0) is None
