@@ -17,7 +17,6 @@ from stickslip.engine.layout import (
     EVENTS_SEEN,
     FRESH,
     HOLD,
-    MAX_STEPS,
     N_BLOCKS,
     N_STATES,
     O_X,
@@ -130,11 +129,6 @@ def kept_sizes(I: Ints) -> tuple[int, int]:
 def never_paused(I: Ints) -> None:
     """Let a run go on without coming back to Python after some steps."""
     I[PAUSE_AT] = np.iinfo(np.int64).max
-
-
-def at_most(I: Ints, steps: int) -> None:
-    """Let a run take no more steps than these, nor more than it may take already."""
-    I[MAX_STEPS] = min(int(I[MAX_STEPS]), steps)
 
 
 def steps_taken(I: Ints) -> int:

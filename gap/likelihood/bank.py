@@ -33,7 +33,7 @@ def left_by_bank(
         return exactly
     f, p = one.frame, one.prepared
     full = {**one.nominal, **values}
-    I, W = p.fresh(float(f.stops[0][0]), one.blocks_with(full))
+    I, W = p.fresh(float(f.stops[0][0]), one.blocks_with(full), f.most_steps)
     phi, sd = one.noise_with(full)
     z = standing(W, one.places[0])
     times, row_of = f.stops

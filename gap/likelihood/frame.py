@@ -26,6 +26,7 @@ SAME = 1e-6  # of an interval: stops nearer to each other are one
 SAME_STEP = 0.01  # share by which the step that a sensor states may differ from that of the log
 BELOW_NOISE = 0.5  # of the noise that a sensor states: so small a step is nothing beside it
 SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
+BUDGET = 2_000_000_000  # steps of the engine
 FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
 
 
@@ -34,13 +35,14 @@ class Frame(Held):
     """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
     ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most;
-    ``doubts`` what the log does not tell of its inputs.
+    ``doubts`` what the log does not tell of its inputs; ``most_steps`` of the engine in one filter.
     """
 
     apart: bool = False
     seen: float = 1.0
     draws: int = DRAWS
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
+    most_steps: int = BUDGET
 
     @property
     def replays(self) -> bool:

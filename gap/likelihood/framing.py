@@ -6,7 +6,7 @@ from dataclasses import replace
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.likelihood.felt import felt
-from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.frame import BUDGET, Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.phase import in_phase
@@ -19,6 +19,9 @@ from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
 from stickslip.gap.records.start import start_values
 
+MORE = (
+    50  # times the steps of the model alone, from which on a filter is given up: an effect makes its steps ever smaller
+)
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
 
 
@@ -53,11 +56,10 @@ def _followed(frame: Frame, asked: bool) -> Frame | None:
         alone = Hypothesis(replace(frame, doubts=rounded(frame.record)))
         if len(frame.model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
             raise NoFilter(f"the model has more than {MOST_BLOCKS} blocks or {MOST_STATES} states")
-        if asked:
-            alone.filtered({})
+        most = MORE * alone.filtered({}).steps if asked else BUDGET
     except ArithmeticError:
         return None
-    return alone.frame
+    return replace(alone.frame, most_steps=most)
 
 
 def settled_behind_holes(quiet: Diagram, record: Record) -> Record:

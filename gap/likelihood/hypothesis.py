@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.diagram.changes import blocks_with_params
 from stickslip.engine.filtering import extended, followed, otherwise
-from stickslip.engine.restarts import at_most, kept_sizes, standing, steps_taken
+from stickslip.engine.restarts import kept_sizes, standing, steps_taken
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, UNSURE
 from stickslip.gap.floors.floor import NU, UNIT, losses
@@ -30,7 +30,6 @@ GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 ENDLESS = 2**62
-MORE = 50  # times the steps of the filter whose gains it has, from which on a run is given up: it has been driven away
 LATE = 200.0  # nats by which a filter lags behind another, from which on it is given up
 NEVER = np.zeros(0)
 
@@ -74,7 +73,7 @@ class Hypothesis(Statement):
         if exactly is not None:
             return exactly
         p, near = self.prepared, None if near is None else near.followed
-        I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full))
+        I, W = p.fresh(float(f.stops[0][0]), self.blocks_with(full), f.most_steps)
         phi, sd = self.noise_with(full)
         z = standing(W, self.places[0])
         n, m, q = len(z), len(f.signals), len(p.noise)
@@ -85,7 +84,6 @@ class Hypothesis(Statement):
             assert near.gains is not None
             gains, turns = gains_for(self.labels, theirs, near.gains), turns_for(self.labels, theirs, near.turns)
             shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
-            at_most(I, MORE * near.steps)
             status = followed(
                 I, W, buffer, *kept_sizes(I), self.places, self.shown, self.places[0, self.where], times, row_of,
                 phi, f.anew, gains, near.kinks, turns, z, shown, missed,
@@ -148,7 +146,7 @@ class Hypothesis(Statement):
         gains = np.zeros_like(known.gains)
         otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.anew, f.r, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
-        return Innovations(self, full, e, S, gains, known.kinks, known.turns, steps=known.steps)
+        return Innovations(self, full, e, S, gains, known.kinks, known.turns)
 
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""

@@ -26,7 +26,6 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
 TAPS = 25  # scan values of a dead time, at most: each is a state of the filter
-BUDGET = 2_000_000_000  # steps of the engine
 
 
 class NoFilter(ValueError):
@@ -80,9 +79,9 @@ class Prepared:
         ]
         return np.array(found, dtype=np.int64)
 
-    def fresh(self, t0: float, blocks: tuple[Block, ...]) -> tuple[Whole, Floats]:
+    def fresh(self, t0: float, blocks: tuple[Block, ...], most_steps: int) -> tuple[Whole, Floats]:
         """Return the arrays of a run that has not begun; ``blocks`` those of the diagram, with other parameters."""
-        I, W = prepare(self.component, Settings(max_steps=BUDGET), t0)
+        I, W = prepare(self.component, Settings(max_steps=most_steps), t0)
         self.diagram.plan().fill(Snapshot(self.component, I, W), blocks)
         never_paused(I)
         return I, W

@@ -11,11 +11,11 @@ from stickslip.diagram import simulate, wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.engine.status import Status
 from stickslip.gap.effects import effect
-from stickslip.gap.likelihood.hypothesis import MORE, Hypothesis, Innovations
+from stickslip.gap.likelihood.framing import MORE, frame_of
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.records.model import read
 from stickslip.logs import Log
-
-from tests.gap.root_tank import framed
 
 TOP = 5.569  # what the sensor would show at most [bar]
 
@@ -48,16 +48,23 @@ def alone() -> Innovations:
     set_point = np.where(t < 200.0, 5.0, np.where(t < 500.0, 5.5, 4.9))
     run = simulate(two_vessels(), 900.0, every=2.0, inputs={"SP": (t, set_point)})
     log = Log(t, {"SP": set_point, "PV": run.log["PV"][: len(t)], "OP": run.log["OP"][: len(t)]})
-    return model_alone(framed(two_vessels(), log)).best
+    frame = frame_of(*read(two_vessels(), log))
+    assert frame is not None
+    return model_alone(frame).best
 
 
-def test_a_filter_says_how_many_steps_it_took() -> None:
-    assert len(alone().hypothesis.frame.stops[0]) < alone().steps < 1e6
+def test_filters_take_many_times_the_steps_of_the_model_alone_at_most() -> None:
+    frame = alone().hypothesis.frame
+    steps = Hypothesis(replace(frame, doubts={})).filtered({}).steps
+    assert len(frame.stops[0]) < steps < 1e6
+    assert frame.most_steps == pytest.approx(MORE * steps, rel=0.2)  # the set point does not switch at stops there
 
 
-def test_a_run_with_other_gains_takes_many_times_as_many_at_most() -> None:
+@pytest.mark.parametrize("gains", ["its own", "of the model alone"])
+def test_a_filter_that_takes_more_is_given_up(gains) -> None:
     one = Hypothesis(alone().hypothesis.frame, effect("sensor_saturation"), "sensor")
-    values = {**alone().values, "high": TOP}
-    assert one.filtered(values, alone()).steps == alone().steps  # what it is measured by in its turn
+    values, near = {**alone().values, "high": TOP}, None if gains == "its own" else alone()
+    assert math.isfinite(one.filtered(values, near).nll)
+    tight = one.of(replace(one.frame, most_steps=one.frame.most_steps // (2 * MORE)))
     with pytest.raises(ArithmeticError, match=f"status {int(Status.TOO_MANY_STEPS)}"):
-        one.filtered(values, replace(alone(), steps=alone().steps // (2 * MORE)))
+        tight.filtered({**values, "high": TOP - 0.001}, near)
