@@ -184,7 +184,9 @@ def _apart_from_switches(start: Innovations) -> Innovations:
     start where that is likelier.
     """
     one = start.hypothesis
-    there = None if one.frame.replays else tried(one.of(replace(one.frame, apart=True)), start.values)
+    if one.frame.replays or one.bends:  # a limit is met behind a switch
+        return start
+    there = tried(one.of(replace(one.frame, apart=True)), start.values)
     found = None if there is None else tried(one, refined(there, free_names(one), FIRST).best.values)
     return found if found is not None and found.nll < start.nll else start
 

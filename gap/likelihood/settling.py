@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from stickslip.gap.likelihood.fit import ROUNDS, Fit, refined, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.likelihood.switches import moved_alike, with_switches
 
 FIRST = 2  # rounds of a first fit
 SETTLING = 4  # times that a fit and the switches of its inputs follow each other
@@ -19,9 +19,13 @@ def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
     for _ in range(rounds):
         start = with_switches(start)
         fit = refined(start, free_names(one), ROUNDS if one.frame.replays else FIRST)
-        if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
-            break
-        start = fit.best
+        if fit.best is start:
+            found = moved_alike(fit)
+            if found is None:
+                break
+            start = found
+        else:
+            start = fit.best
     return fit
 
 

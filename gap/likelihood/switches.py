@@ -2,6 +2,11 @@
 
 Every switch is tried at the same few instants of its interval, one run for each; it takes the instant that is likeliest
 in the rows behind.  Of a controller that scans only its scans count.
+
+A size and the instants that suit it hold each other: a larger gain follows from earlier switches.  So all are moved
+alike as well, and for each step the sizes x follow from the slopes D of the innovations e:
+
+    x <- x - I^-1 D' e,   nll <- nll - e' D I^-1 D' e / 2
 """
 
 import math
@@ -10,7 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.likelihood.fit import tried
+from stickslip.gap.fits.coordinates import moved
+from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.inputs import in_lines, moves
@@ -34,12 +40,12 @@ def with_switches(now: Innovations) -> Innovations:
         return now
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
-    best = _placed(now, {s: {} for s in switching}, np.append(np.arange(0.0, most, step), most), most)
+    best = _placed(now, {s: {} for s in switching}, np.append(np.arange(0.0, most, step), most))
     # where all switches are far off, each drives the run from the log for the next: near ones are tried as well
     fine = np.array([-step, step]) if frame.scanned else np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
     if best is not now or frame.scanned:
         known = best.hypothesis.frame.record.leads
-        best = _placed(best, {s: known.get(s, {}) for s in switching}, fine, most)
+        best = _placed(best, {s: known.get(s, {}) for s in switching}, fine)
     return now if best is now else _likelier(now, best.hypothesis.frame)
 
 
@@ -55,6 +61,33 @@ def _shows(now: Innovations, switching: Sequence[str]) -> bool:
     return float(np.sum(more)) > max(SHOWN, chance)
 
 
+def moved_alike(fit: Fit) -> Innovations | None:
+    """Return a filter with all switches of inputs moved alike, and the sizes that follow; None if none is likelier."""
+    now, one = fit.best, fit.hypothesis
+    frame, log = one.frame, one.frame.record.log
+    switching = [s for s in frame.record.played if switches(log, s)]
+    own = [k for k, name in enumerate(fit.names) if name not in one.noise_keys]
+    if not switching or not own or frame.replays or frame.record.filter is not None:
+        return None
+    names, D, I = [fit.names[k] for k in own], fit.slopes[own][:, frame.counted], fit.I[np.ix_(own, own)]
+    step = frame.scanned or log.dt / TRIED
+    best, d, frame_of_best = now.nll - GAIN, np.zeros(len(own)), frame
+    for by in np.arange(step, log.dt, step):
+        for way in (by, -by):
+            there = _with_leads(frame, _moved(frame, {s: frame.record.leads.get(s, {}) for s in switching}, way))
+            found = tried(one.of(there), now.values, now)
+            if found is None:
+                continue
+            g = np.sum(D * np.nan_to_num(found.weights * found.e)[frame.counted], axis=(1, 2))
+            follows = -np.linalg.lstsq(I, g, rcond=None)[0]
+            if found.nll + 0.5 * float(g @ follows) < best:
+                best, d, frame_of_best = found.nll + 0.5 * float(g @ follows), follows, there
+    if frame_of_best is frame:
+        return None
+    found = tried(one.of(frame_of_best), {**now.values, **moved(one, names, now.values, d)})
+    return found if found is not None and found.nll < now.nll - GAIN else None
+
+
 def with_ramps(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do."""
     frame = now.hypothesis.frame
@@ -68,20 +101,16 @@ def with_ramps(now: Innovations) -> Innovations:
     return now
 
 
-def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, most: float) -> Innovations:
+def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats) -> Innovations:
     """Return what is left if each switch lies at the likeliest of some ``steps`` [s] from where it is thought to be.
 
     A switch that no step makes likelier stays.
     """
     frame = now.hypothesis.frame
     rows = {s: switch_rows(frame.record.log, s).tolist() for s in about}
-    stays = {s: {k: frame.record.leads.get(s, {}).get(k, 0.0) for k in rows[s]} for s in about}
-    moved = [
-        {s: {k: float(np.clip(known.get(k, 0.0) + step, 0.0, most)) for k in rows[s]} for s, known in about.items()}
-        for step in steps
-    ]
+    stays = _moved(frame, {s: frame.record.leads.get(s, {}) for s in about}, 0.0)
     losses, leads = [], []
-    for trial in (stays, *moved):
+    for trial in (stays, *(_moved(frame, about, step) for step in steps)):
         found = tried(now.hypothesis.of(_with_leads(frame, trial)), now.values, now)
         if found is not None:
             losses.append(found.losses)
@@ -110,6 +139,15 @@ def _likelier(now: Innovations, other: Frame) -> Innovations:
         mixed[s] = {k: (ahead if k in gained else before).get(k, 0.0) for k in rows}
     both = tried(now.hypothesis.of(_with_leads(now.hypothesis.frame, mixed)), now.values)
     return min((x for x in (now, own, both) if x is not None), key=lambda x: x.nll)
+
+
+def _moved(frame: Frame, about: Leads, step: float) -> dict[str, dict[int, float]]:
+    """Return switches that lie a step [s] from where they are thought to be, within their intervals."""
+    most = frame.record.log.dt * (1.0 - LATE)
+    return {
+        s: {k: float(np.clip(known.get(k, 0.0) + step, 0.0, most)) for k in switch_rows(frame.record.log, s).tolist()}
+        for s, known in about.items()
+    }
 
 
 def _with_leads(frame: Frame, leads: Leads) -> Frame:
