@@ -67,7 +67,8 @@ def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found
     firsts = {one.loop.integrating: one for one in reversed(starts)}
     luck = {k: [profiled(days, one.loop, one.noises, draw).nll for draw in range(1, 7)] for k, one in firsts.items()}
     kind = min(luck, key=lambda each: float(np.mean(luck[each])) + (0.0 if each else pays))
-    return [one for one in starts if one.loop.integrating == kind], luck[kind]
+    least = firsts[kind].nll + FAR * TEMPER
+    return [one for one in starts if one.loop.integrating == kind and one.nll <= least], luck[kind]
 
 
 def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Floats:
