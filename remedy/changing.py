@@ -86,7 +86,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     likely += [(pair, pair.shared) for pair in pairs if gains[best] < FROM_FIT[best]]
     left = [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=False)]
     found += left if even else left[2:]
-    if any(one.loops[0].integrating for _, one in likely):
+    if not hidden and any(one.loops[0].integrating for _, one in likely):
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
     compared = [one for one in found if one is not None]
     return Changes(tuple(sorted(compared, key=lambda one: (-one.changed, -one.nats))), tuple(notes))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -182,8 +182,11 @@ class LoopFit(Shown):
 
     @cached_property
     def theta(self) -> Size:
-        """Dead time [s]."""
-        return self._lag("theta")
+        """Dead time [s]; the log does not tell where between two rows OP moved."""
+        found, half = self._lag("theta"), 0.5 * self.days[0].dt
+        if found.low is None or found.high is None:
+            return found
+        return replace(found, low=max(found.low - half, 0.0), high=found.high + half)
 
     def _lag(self, key: str, why: str = "") -> Size:
         why = self.closed or why

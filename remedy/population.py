@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.process import Day, Found, Loop, profiled
-from stickslip.remedy.search import at_coordinates, coordinates, half_wave
+from stickslip.remedy.search import at_coordinates, coordinates, half_wave, share_of_lags
 
 __all__ = ["population_of"]
 
@@ -74,7 +74,9 @@ def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found
 def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Floats:
     """Where a walker looks next: on by the difference of two others."""
     at = coordinates(now.loop, time)
-    ahead = at + np.array(LITTLE[: len(at)]) * rng.normal(size=len(at)) * (1.0 if turn < 3 else 0.3)
+    little = np.array(LITTLE[: len(at)])
+    little[1:3] *= share_of_lags(now.loop, time)
+    ahead = at + little * rng.normal(size=len(at)) * (1.0 if turn < 3 else 0.3)
     step = 2.38 / math.sqrt(2.0 * len(at)) if turn % 5 else 1.0
     ahead += step * (coordinates(b.loop, time) - coordinates(c.loop, time))
     ahead[1:3] = np.abs(ahead[1:3])

@@ -20,7 +20,7 @@ from stickslip.remedy.left import Left
 from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
 from stickslip.remedy.slips import banded
 
-__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave"]
+__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave", "share_of_lags"]
 
 Floats = NDArray[np.float64]
 LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
@@ -179,6 +179,11 @@ def coordinates(one: Loop, time: float) -> Floats:
     return np.array([math.log(one.tau), one.theta / (0.1 * time), one.tau_2 / (0.1 * time), *stick])
 
 
+def share_of_lags(one: Loop, time: float) -> float:
+    """By how much steps of dead time and second lag are smaller where a loop is fast beside its turns (0 to 1)."""
+    return min(1.0, 3.0 * (one.tau + one.tau_2 + one.theta) / time)
+
+
 def at_coordinates(one: Loop, at: Floats, time: float, dt: float) -> Loop | None:
     """The loop at these coordinates; None where there is none."""
     if np.abs(at).max() > 200.0:
@@ -207,7 +212,8 @@ def _better(days: Sequence[Day], start: Found, evaluations: int, whole: bool = T
     if start.loop.K == 0.0:
         return start
     at = coordinates(start.loop, time)
-    sizes = [0.3, 0.4, 0.3, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
+    late = share_of_lags(start.loop, time)
+    sizes = [0.3, 0.4 * late, 0.3 * late, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
     free = range(1 if start.loop.integrating else 0, len(at) if whole else 3)  # an integrator has no tau
 
     def loss(own: Floats) -> float:

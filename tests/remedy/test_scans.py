@@ -83,7 +83,9 @@ def test_a_sound_loop_whose_sp_moves_tells_it(still):
     steps = np.repeat(np.random.default_rng(5).uniform(-8.0, 8.0, 12), 200)
     found = fit(logged(2_400, **SOUND, sp=steps))
     assert found.told > 100.0 > 20.0 > still.told
-    assert found.K.value == pytest.approx(1.5, rel=0.1) and found.tau.value == pytest.approx(6.0, rel=0.35)
+    # K was 1.46 (1.46 to 1.49) where steps of dead time were shares of the long time between two turns
+    for size, true in ((found.K, 1.5), (found.tau, 6.0), (found.theta, 1.0)):
+        assert size.low <= true <= size.high and size.high - size.low < true * 2.0
 
 
 def test_moves_by_hand_come_from_outside_and_those_of_the_law_do_not():
