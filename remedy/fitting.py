@@ -18,7 +18,7 @@ from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs import LoopRecord
 from stickslip.remedy.controller import LEAST, Controller, controller_of, limits_of, moved_from_outside
-from stickslip.remedy.left import told_by
+from stickslip.remedy.left import excitation
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
 from stickslip.remedy.process import Day, day_of, predicted
@@ -106,7 +106,7 @@ def fit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
         given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), seen.without, best, likely, seen.gain,
         seen.sticks, evidence, lefts, np.array([path[0][0, 0] for path in paths]), tuple(notes),
-        given[0].log.start, sum(told_by(day.rows, _as_rows(day, law)) for day in days),
+        given[0].log.start, sum(excitation(day.rows, _as_rows(day, law)) for day in days),
     )  # fmt: skip
 
 

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.logs.compiled import njit
 
-__all__ = ["Left", "free_of_line", "left_of", "nugget", "past", "size", "told_by", "turns_of", "wandering", "whitened"]
+__all__ = [
+    "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
@@ -78,7 +80,7 @@ def _solved(gram: Floats, right: Floats) -> Floats:
     return np.asarray(np.linalg.solve(gram + (1e-9 * np.trace(gram) / len(gram) + 1e-300) * np.eye(len(gram)), right))
 
 
-def told_by(y: Floats, x: Floats) -> float:
+def excitation(y: Floats, x: Floats) -> float:
     """What the past of x (rows,) tells of y beyond y's own past [nats], less ln(n)/2 for each of its coefficients."""
     if np.ptp(x) <= 1e-9:
         return 0.0

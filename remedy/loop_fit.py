@@ -29,7 +29,7 @@ __all__ = ["LoopFit"]
 Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
 ROUGH = "the load moves as fast from row to row, so that noise does not show beside it"
-TELLS = 20.0  # nats by which moves of SP or by hand tell PV, from which on they show the process
+EXCITED = 20.0  # nats by which moves of SP or by hand tell PV, from which on they show the process
 CLOSED = (
     "OP moves as PV asks here, which does not tell the process; log steps of SP, or of OP in manual, a few a record"
 )
@@ -47,7 +47,7 @@ class LoopFit(Shown):
     begun : where the stem of each loop stands at the start beside OP (loops,) [unit of OP]
     evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
     start : of the first record on the clock, if it is known
-    told : by how much moves of SP, or of OP by hand, tell PV [nats]
+    excited : by how much moves of SP, or of OP by hand, tell PV [nats]
 
     >>> from stickslip.remedy.example import sticky
     >>> from stickslip.remedy import fit
@@ -71,12 +71,12 @@ class LoopFit(Shown):
     begun: Floats
     notes: tuple[str, ...]
     start: datetime | None = None
-    told: float = math.inf
+    excited: float = math.inf
 
     @property
     def closed(self) -> str:
         """Why the record does not tell the process: nothing but PV moves the stem; "" where it does."""
-        return CLOSED if not self.sticks and self.told < TELLS else ""
+        return CLOSED if not self.sticks and self.excited < EXCITED else ""
 
     def each(self, key: str) -> Floats:
         """A value of each loop, (loops,)."""

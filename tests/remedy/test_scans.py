@@ -7,7 +7,7 @@ import pytest
 from stickslip.logs import LoopRecord
 from stickslip.remedy import changes, fit
 from stickslip.remedy.controller import Controller, moved_from_outside
-from stickslip.remedy.left import told_by
+from stickslip.remedy.left import excitation
 
 FINE = 5  # steps of the process in a scan
 
@@ -82,7 +82,7 @@ def test_a_sound_loop_that_nothing_but_pv_moves_does_not_tell_its_process(still)
 def test_a_sound_loop_whose_sp_moves_tells_it(still):
     steps = np.repeat(np.random.default_rng(5).uniform(-8.0, 8.0, 12), 200)
     found = fit(logged(2_400, **SOUND, sp=steps))
-    assert found.told > 100.0 > 20.0 > still.told
+    assert found.excited > 100.0 > 20.0 > still.excited
     # K was 1.46 (1.46 to 1.49) where steps of dead time were shares of the long time between two turns
     for size, true in ((found.K, 1.5), (found.tau, 6.0), (found.theta, 1.0)):
         assert size.low <= true <= size.high and size.high - size.low < true * 2.0
@@ -98,10 +98,10 @@ def test_moves_by_hand_come_from_outside_and_those_of_the_law_do_not():
     np.testing.assert_allclose(np.ptp(moved_from_outside(law, by_hand, pv, None)), 5.0, atol=0.01)
 
 
-def test_what_tells_pv_is_what_moves_it():
+def test_what_moves_pv_excites_it():
     r = np.random.default_rng(2)
     x, other = (np.repeat(r.normal(size=40), 50) for _ in range(2))
     y = np.zeros(2_000)
     for k in range(1, 2_000):
         y[k] = 0.9 * y[k - 1] + 0.2 * x[k - 1] + 0.1 * r.normal()
-    assert told_by(y, x) > 100.0 and told_by(y, other) < 5.0 and told_by(y, np.zeros(2_000)) == 0.0
+    assert excitation(y, x) > 100.0 and excitation(y, other) < 5.0 and excitation(y, np.zeros(2_000)) == 0.0
