@@ -124,7 +124,8 @@ def _change(
         low, middle, high = (math.exp(min(max(by + z * min(sd, 99.0), -99.0), 99.0)) for z in (-Z90, 0.0, Z90))
         ratio = Size(middle, low, high)
     changed = may and nats >= enough and abs(by) > counts
-    return Change(effect, *sizes, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
+    alike = ambiguous_with if changed else ()
+    return Change(effect, sizes[0], sizes[1], ratio, nats, probability, changed, unit, alike)
 
 
 def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
@@ -237,10 +238,8 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
     variance, means = sum(unsure) + 1e-6, [float(one.mean()) for one in logs]
     by = means[1] - means[0]
     by = 0.0 if by * (by - beside) <= 0.0 else min(by, by - beside, key=abs)
-    sizes = [
-        Size(*(math.exp(mean + z * math.sqrt(own)) for z in (0.0, -Z90, Z90)))
-        for mean, own in zip(means, unsure, strict=True)
-    ]
+    far = [Z90 * math.sqrt(own) for own in unsure]
+    sizes = [Size(math.exp(x), math.exp(x - off), math.exp(x + off)) for x, off in zip(means, far, strict=True)]
     return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 

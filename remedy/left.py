@@ -90,7 +90,7 @@ def excitation(y: Floats, x: Floats) -> float:
     left = [
         gram[0, 0] - gram[0, 1:k] @ _solved(gram[1:k, 1:k], gram[0, 1:k]) for k in (own.shape[1], len(gram))
     ]  # fmt: skip
-    return 0.5 * len(own) * math.log(left[0] / left[1]) - 0.5 * other.shape[1] * math.log(len(own))
+    return float(0.5 * len(own) * math.log(left[0] / left[1]) - 0.5 * other.shape[1] * math.log(len(own)))
 
 
 def nugget(v: Floats) -> Floats:
@@ -106,7 +106,7 @@ def nugget(v: Floats) -> Floats:
     grown = (four.mean() - two.mean()) / max(two.mean() - one.mean(), 1e-300)
     found = [0.5 * (one - (two - one) / (rise - 1.0)) for rise in (2.0, min(max(grown, 2.0), 4.0), 4.0)]
     unsure = [float(np.std(each, ddof=1)) / math.sqrt(NUGGETS) for each in found]
-    return np.mean(found, axis=1) + np.array([-1.645, 0.0, 1.645]) * unsure
+    return np.asarray(np.mean(found, axis=1) + np.array([-1.645, 0.0, 1.645]) * unsure)
 
 
 def wandering(v: Floats, roots: int) -> Floats:

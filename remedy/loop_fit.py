@@ -195,7 +195,7 @@ class LoopFit(Shown):
     @cached_property
     def _noise(self) -> Floats:
         """Variance of white noise on PV: least, likeliest, most, (3,), the median of all loops."""
-        return np.median([np.mean([nugget(v) for v in own], axis=0) for own in self.lefts], axis=0)
+        return np.asarray(np.median([np.mean([nugget(v) for v in own], axis=0) for own in self.lefts], axis=0))
 
     @property
     def noise_sd(self) -> Size:
