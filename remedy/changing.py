@@ -26,7 +26,7 @@ from stickslip.remedy.change import COUNTS, Change, Changes
 from stickslip.remedy.left import free_of_line
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.process import Loop
-from stickslip.remedy.size import Size
+from stickslip.remedy.size import Size, size_of
 from stickslip.remedy.together import PARTS, Pair, Together
 
 __all__ = ["changes", "lacks"]
@@ -54,15 +54,20 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     apart = earlier.sticks != later.sticks
     pairs = [Pair(earlier, later, back) for back in ((later.sticks,) if apart else (False, True))]
     surer = {part: max(pairs, key=lambda pair: pair.gain(part)) for part in PARTS}
-    gains = {part: _both_ways(part, pairs, surer[part]) for part in PARTS}
+    hidden = earlier.closed and later.closed  # what moves PV then may be another load as well as another process
+    gains = {part: 0.0 if hidden else _both_ways(part, pairs, surer[part]) for part in PARTS}
     moved = {part: _moved(part, surer[part]) for part in PARTS}
-    sizes = {part: [_value(part, one) for one in surer[part].own[part].loops] for part in PARTS}
+    if hidden:
+        notes.append(f"The process is not compared: {hidden}.")
     if apart:  # one that rests all along may be as likely as one that is gone
-        sizes["stiction"] = [fit.sticks * float(np.median(fit.each("S"))) for fit in (earlier, later)]
-        moved["stiction"] = math.copysign(BEYOND, sizes["stiction"][1] - sizes["stiction"][0])
+        moved["stiction"] = math.copysign(BEYOND, later.sticks - 0.5)
         gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
     best = "stiction" if apart and gains["stiction"] >= FROM_FIT["stiction"] else best  # each fit says so by itself
+    likeliest = {part: surer[part].own[part] if part == best else surer[part].shared for part in PARTS}
+    sizes = {part: _sizes(part, (earlier, later), one.loops) for part, one in likeliest.items()}
+    if apart:
+        sizes["stiction"] = [size_of(fit.each("S")) if fit.sticks else Size(0.0, 0.0, None) for fit in (earlier, later)]
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
     alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
     found: list[Change | None] = [
@@ -81,7 +86,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     likely += [(pair, pair.shared) for pair in pairs if gains[best] < FROM_FIT[best]]
     left = [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=False)]
     found += left if even else left[2:]
-    if any(one.loops[0].integrating for _, one in likely):
+    if not hidden and any(one.loops[0].integrating for _, one in likely):
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
     compared = [one for one in found if one is not None]
     return Changes(tuple(sorted(compared, key=lambda one: (-one.changed, -one.nats))), tuple(notes))
@@ -96,8 +101,17 @@ def lacks(found: LoopFit) -> Changes:
     return Changes((stick,), (note,), of_one=True)
 
 
+def _sizes(part: str, fits: Sequence[LoopFit], loops: Sequence[Loop]) -> list[Size]:
+    """A part at both times as the likely ``loops`` have it, with the interval of each time's own fit about it."""
+    found = []
+    for fit, one in zip(fits, loops, strict=True):
+        own, value = size_of(np.array([_value(part, each) for each in fit.loops]), least=0.0), _value(part, one)
+        found.append(Size(value, min(own.low or 0.0, value), max(own.high or 0.0, value)))
+    return found
+
+
 def _change(
-    effect: str, sizes: Sequence[float], by: float, nats: float, unit: str, may: bool = True,
+    effect: str, sizes: Sequence[Size], by: float, nats: float, unit: str, may: bool = True,
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
@@ -106,12 +120,12 @@ def _change(
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
     probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
     ratio = Size(None, None, None, "a level has no ratio, and none has what is at one time alone")
-    if effect != "sensor_drift" and min(sizes) > 0.0:
+    if effect != "sensor_drift" and min(one.value or 0.0 for one in sizes) > 0.0:
         low, middle, high = (math.exp(min(max(by + z * min(sd, 99.0), -99.0), 99.0)) for z in (-Z90, 0.0, Z90))
         ratio = Size(middle, low, high)
     changed = may and nats >= enough and abs(by) > counts
-    earlier, later = (Size(x, None, None) for x in sizes)
-    return Change(effect, earlier, later, ratio, nats, probability, changed, unit, ambiguous_with if changed else ())
+    alike = ambiguous_with if changed else ()
+    return Change(effect, sizes[0], sizes[1], ratio, nats, probability, changed, unit, alike)
 
 
 def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
@@ -144,15 +158,16 @@ def _value(part: str, one: Loop) -> float:
 def _controller(effect: str, earlier: LoopFit, later: LoopFit, unit: str) -> Change | None:
     """The change of K_p or T_i; None where there is no integral."""
     key, variance = "K_p" if effect == "controller_gain" else "T_i", 1e-6
-    sizes: list[float] = []
+    sizes: list[Size] = []
     for fit in (earlier, later):
         value = abs(float(getattr(fit.controller, key)))
         if not math.isfinite(value):
             return None
-        low, high = fit.controller.spread(key)
-        sizes.append(value)
+        low, high = sorted(abs(end) for end in fit.controller.spread(key))
+        sizes.append(Size(value, low, high))
         variance += ((high - low) / (2.0 * Z90) / value) ** 2
-    by = math.log(sizes[1] / sizes[0])
+    before, after = (abs(float(getattr(fit.controller, key))) for fit in (earlier, later))
+    by = math.log(after / before)
     return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
@@ -219,11 +234,13 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
     ``beside`` [logarithm] may be the gain's: a load at the valve goes with it, one at PV does not.
     """
     logs = [0.5 * np.log(one + 1e-300) for one in squares]
-    variance = sum(float(np.var(one)) / len(one) for one in logs) + 1e-6
-    means = [float(one.mean()) for one in logs]
+    unsure = [float(np.var(one)) / len(one) for one in logs]
+    variance, means = sum(unsure) + 1e-6, [float(one.mean()) for one in logs]
     by = means[1] - means[0]
     by = 0.0 if by * (by - beside) <= 0.0 else min(by, by - beside, key=abs)
-    return _change(effect, [math.exp(mean) for mean in means], by, 0.5 * by**2 / variance, unit)
+    far = [Z90 * math.sqrt(own) for own in unsure]
+    sizes = [Size(math.exp(x), math.exp(x - off), math.exp(x + off)) for x, off in zip(means, far, strict=True)]
+    return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
 def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:
@@ -236,4 +253,6 @@ def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:
     variance = max(float(np.var(levels[0])), float(np.var(free_of_line(levels[1])[0]))) + 1e-300
     spread = float(np.std(np.concatenate(list(lefts[0])))) + 1e-300
     by, nats = (after - before) / spread, 0.5 * (after - before) ** 2 / variance
-    return _change("sensor_drift", (before, after), by, nats, unit, True, ("disturbance",))
+    far = Z90 * math.sqrt(variance)
+    sizes = [Size(level, level - far, level + far) for level in (before, after)]
+    return _change("sensor_drift", sizes, by, nats, unit, True, ("disturbance",))

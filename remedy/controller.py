@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 SPANS = (1, 4, 16, 64)  # rows
 LESS = 0.9  # of what is left, that a derivative or a filter must get below
 FILTERS = (0.7, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0)  # rows, that are tried
+HAND = 20.0  # times what the law leaves in the median: a move by hand
 AT_LIMIT = 8  # rows at an extreme of OP that make it a limit
 EXACT = 1.0 - 1e-9  # of the moves of OP, from which on nothing is left to tell
 LEAST = 0.5  # of the moves of OP that the law must tell
@@ -167,6 +168,16 @@ def _line(
     explained = max(1.0 - float(np.sum(left**2) / max(np.sum(y**2), 1e-300)), 0.0)
     known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
     return float(known), b, sd, explained, m, float(np.mean(left**2))
+
+
+def moved_from_outside(law: Controller, op: Floats, pv: Floats, sp: Floats | None) -> Floats:
+    """What moves OP (n,) and is not PV: SP through the controller's gain, and moves by hand."""
+    e = -pv if sp is None else sp - pv
+    own = law.K_p * np.diff(e) + (law.K_p / law.T_i) * law.dt * e[:-1]
+    left = np.diff(op) - own
+    by_hand = np.abs(left - np.median(left)) > HAND * np.median(np.abs(left)) + 1e-6 * np.ptp(op)
+    moved = np.concatenate([[0.0], np.cumsum(left * by_hand)])
+    return moved if sp is None else moved + law.K_p * sp
 
 
 def series(law: Controller) -> tuple[float, float, float]:

@@ -11,21 +11,24 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs import LoopRecord
-from stickslip.remedy.controller import LEAST, controller_of, limits_of
+from stickslip.remedy.controller import LEAST, Controller, controller_of, limits_of, moved_from_outside
+from stickslip.remedy.left import excitation
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.population import population_of
-from stickslip.remedy.process import day_of, predicted
+from stickslip.remedy.process import Day, day_of, predicted
 from stickslip.remedy.refusal import STANDS, FitError, refuse_short
 from stickslip.remedy.search import best_without
 from stickslip.remedy.weighing import weighed
 
 __all__ = ["fit"]
 
+Floats = NDArray[np.float64]
 FORMS = 0.01  # share by which K_p differs between two forms of a controller, from which on it is said
 WHOLE = 0.9  # of a record and of its rows, below which it is said
 
@@ -103,8 +106,14 @@ def fit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
         given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), seen.without, best, likely, seen.gain,
         seen.sticks, evidence, lefts, np.array([path[0][0, 0] for path in paths]), tuple(notes),
-        given[0].log.start,
+        given[0].log.start, sum(excitation(day.rows, _as_rows(day, law)) for day in days),
     )  # fmt: skip
+
+
+def _as_rows(day: Day, law: Controller) -> Floats:
+    """What moves OP and is not PV, in the rows of PV."""
+    moved, n = moved_from_outside(law, day.op, day.pv, day.sp), len(day.rows)
+    return np.asarray(moved[: n * day.q].reshape(n, day.q).mean(axis=1))
 
 
 def _left_out(record: LoopRecord, grid: Grid) -> list[str]:

@@ -12,17 +12,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.logs.compiled import njit
 
-__all__ = ["Left", "free_of_line", "left_of", "past", "size", "turns_of", "wandering", "whitened"]
+__all__ = [
+    "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
+NUGGETS = 12  # parts of a record, whose noise tells how surely it is known
 LEAST = 12  # rows of a record for each of its memory
 FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
 
@@ -50,24 +52,61 @@ def free_of_line(v: Floats) -> tuple[Floats, tuple[float, float]]:
     return v - level - slope * time, (level - slope * 0.5 * (len(v) - 1), slope)
 
 
+def _beside_past(v: Floats) -> Floats:
+    """Each row of v (rows,) and the means of the rows before it that share a coefficient, (rows - order, 1 + means)."""
+    edges = _edges(len(v))
+    order, sums = edges[-1] - 1, np.append(0.0, np.cumsum(v))
+    ahead = [sums[order - i + 1 : len(sums) - i] for i in edges]  # up to the row that is i rows back
+    means = [(one - two) / (j - i) for one, two, i, j in zip(ahead, ahead[1:], edges, edges[1:], strict=False)]
+    return np.column_stack([v[order:], *means])
+
+
 @lru_cache(maxsize=32)
-def _means(rows: int) -> Floats:
-    """Means over rows back, (order, means), as far as so many rows allow."""
-    edges = [edge for edge in EDGES if edge <= max(rows // LEAST, EDGES[4])]
-    found = np.zeros((edges[-1] - 1, len(edges) - 1))
-    for j, (first, after) in enumerate(pairwise(edges)):
-        found[first - 1 : after - 1, j] = 1.0 / (after - first)
-    return found
+def _edges(rows: int) -> tuple[int, ...]:
+    """The ``EDGES`` that so many rows allow."""
+    return tuple(edge for edge in EDGES if edge <= max(rows // LEAST, EDGES[4]))
 
 
 def past(v: Floats) -> Floats:
     """The autoregression of v (rows,), (order,), by least squares."""
-    means = _means(len(v))
-    order, count = means.shape
-    gram = _products(v, order)
-    right, gram = means.T @ gram[0, 1:], means.T @ gram[1:, 1:] @ means
-    gram[range(count), range(count)] += 1e-9 * np.trace(gram) / count + 1e-300
-    return np.asarray(means @ np.linalg.solve(gram, right))
+    seen, edges = _beside_past(v), _edges(len(v))
+    gram = seen.T @ seen
+    b = _solved(gram[1:, 1:], gram[0, 1:])
+    return np.concatenate([np.full(j - i, one / (j - i)) for one, i, j in zip(b, edges, edges[1:], strict=False)])
+
+
+def _solved(gram: Floats, right: Floats) -> Floats:
+    """The solution of least squares for gram (k, k) and right (k,), with a little for what stands."""
+    return np.asarray(np.linalg.solve(gram + (1e-9 * np.trace(gram) / len(gram) + 1e-300) * np.eye(len(gram)), right))
+
+
+def excitation(y: Floats, x: Floats) -> float:
+    """What the past of x (rows,) tells of y beyond y's own past [nats], less ln(n)/2 for each of its coefficients."""
+    if np.ptp(x) <= 1e-9:
+        return 0.0
+    own, other = _beside_past(y), _beside_past(x)[:, 1:]
+    both = np.concatenate([own, other - other.mean(axis=0)], axis=1)
+    gram = both.T @ both
+    left = [
+        gram[0, 0] - gram[0, 1:k] @ _solved(gram[1:k, 1:k], gram[0, 1:k]) for k in (own.shape[1], len(gram))
+    ]  # fmt: skip
+    return float(0.5 * len(own) * math.log(left[0] / left[1]) - 0.5 * other.shape[1] * math.log(len(own)))
+
+
+def nugget(v: Floats) -> Floats:
+    """The variance of white noise on v (rows,), (3,): least, likeliest, most, with what sampling leaves unsure (90 %).
+
+        E (v_(t+k) - v_t)^2 = 2 noise + c k^p,    p = 1 for what wanders, 2 for what is smooth
+
+    p follows from k = 1, 2 and 4, and the other two are the ends.  Source: the nugget of a variogram (Cressie,
+    Statistics for Spatial Data, 1993, section 2.4).
+    """
+    ways = [[size(block[k:] - block[:-k]) for block in np.array_split(v, NUGGETS)] for k in (1, 2, 4)]
+    one, two, four = np.array(ways)
+    grown = (four.mean() - two.mean()) / max(two.mean() - one.mean(), 1e-300)
+    found = [0.5 * (one - (two - one) / (rise - 1.0)) for rise in (2.0, min(max(grown, 2.0), 4.0), 4.0)]
+    unsure = [float(np.std(each, ddof=1)) / math.sqrt(NUGGETS) for each in found]
+    return np.asarray(np.mean(found, axis=1) + np.array([-1.645, 0.0, 1.645]) * unsure)
 
 
 def wandering(v: Floats, roots: int) -> Floats:
@@ -80,23 +119,6 @@ def wandering(v: Floats, roots: int) -> Floats:
     for _ in range(roots):
         a = np.append(a, 0.0) + np.append(1.0, -a)
     return np.asarray(a)
-
-
-@njit(**FAST)  # type: ignore[untyped-decorator]
-def _products(v: Any, order: int) -> Any:
-    """Sums of v_(t-i) v_(t-j) for i, j = 0 .. order over all rows t >= order."""
-    n = len(v)
-    gram = np.empty((order + 1, order + 1))
-    for j in range(order + 1):
-        total = 0.0
-        for t in range(order, n):
-            total += v[t] * v[t - j]
-        gram[0, j] = gram[j, 0] = total
-    for i in range(order):
-        for j in range(i, order):  # one row earlier: a row comes in and one goes out
-            total = gram[i, j] + v[order - 1 - i] * v[order - 1 - j] - v[n - 1 - i] * v[n - 1 - j]
-            gram[i + 1, j + 1] = gram[j + 1, i + 1] = total
-    return gram
 
 
 @njit(**FAST)  # type: ignore[untyped-decorator]

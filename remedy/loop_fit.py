@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from stickslip.detect.judge.actions import confirming_steps
 from stickslip.detect.likelihood.words import hides
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import Controller
+from stickslip.remedy.left import nugget
 from stickslip.remedy.process import Day, Found, Loop
 from stickslip.remedy.size import Size, size_of, widened
 
@@ -27,6 +28,11 @@ __all__ = ["LoopFit"]
 
 Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
+ROUGH = "the load moves as fast from row to row, so that noise does not show beside it"
+EXCITED = 20.0  # nats by which moves of SP or by hand tell PV, from which on they show the process
+CLOSED = (
+    "OP moves as PV asks here, which does not tell the process; log steps of SP, or of OP in manual, a few a record"
+)
 UNSURE = "the interval spans more than a factor of three"
 
 
@@ -41,6 +47,7 @@ class LoopFit(Shown):
     begun : where the stem of each loop stands at the start beside OP (loops,) [unit of OP]
     evidence : of dead travel, by ``stickslip.detect.likelihood``;  notes : what is to be said besides
     start : of the first record on the clock, if it is known
+    excited : by how much moves of SP, or of OP by hand, tell PV [nats]
 
     >>> from stickslip.remedy.example import sticky
     >>> from stickslip.remedy import fit
@@ -64,6 +71,12 @@ class LoopFit(Shown):
     begun: Floats
     notes: tuple[str, ...]
     start: datetime | None = None
+    excited: float = math.inf
+
+    @property
+    def closed(self) -> str:
+        """Why the record does not tell the process: nothing but PV moves the stem; "" where it does."""
+        return CLOSED if not self.sticks and self.excited < EXCITED else ""
 
     def each(self, key: str) -> Floats:
         """A value of each loop, (loops,)."""
@@ -140,6 +153,8 @@ class LoopFit(Shown):
     @cached_property
     def K(self) -> Size:
         """Gain of the process [unit of PV per unit of OP, and per s where it integrates]."""
+        if self.closed:
+            return Size(None, None, None, self.closed)
         K = self.each("K")
         unsure = UNSURE if _ratio(K) > WIDE else ""
         return size_of(K, self._only_product("K") if unsure and self.sticks else unsure)
@@ -147,7 +162,7 @@ class LoopFit(Shown):
     @cached_property
     def KJ(self) -> Size:
         """How far PV goes after a slip, K J [unit of PV]: known where K and J alone are not."""
-        return size_of(self.each("K") * self.each("J"))
+        return size_of(self.each("K") * self.each("J")) if self.sticks else self.S
 
     def _only_product(self, key: str) -> str:
         product = self.each("K") * self.each("J")
@@ -158,46 +173,41 @@ class LoopFit(Shown):
     @cached_property
     def tau(self) -> Size:
         """Time constant [s]; not there where the process integrates."""
-        return Size(None, None, None, "the process integrates") if self.best.integrating else size_of(self.each("tau"))
+        return self._lag("tau", "the process integrates" if self.best.integrating else "")
 
     @cached_property
     def tau_2(self) -> Size:
         """Second time constant [s]."""
-        return size_of(self.each("tau_2"))
+        return self._lag("tau_2")
 
     @cached_property
     def theta(self) -> Size:
-        """Dead time [s]."""
-        return size_of(self.each("theta"))
+        """Dead time [s]; the log does not tell where between two rows OP moved."""
+        found, half = self._lag("theta"), 0.5 * self.days[0].dt
+        if found.low is None or found.high is None:
+            return found
+        return replace(found, low=max(found.low - half, 0.0), high=found.high + half)
+
+    def _lag(self, key: str, why: str = "") -> Size:
+        why = self.closed or why
+        return Size(None, None, None, why) if why else size_of(self.each(key), least=None if key == "tau" else 0.0)
 
     @cached_property
-    def _noise_load(self) -> tuple[Floats, Floats]:
-        """Standard deviation of noise and of load in each loop, at PV [unit of PV].
-
-        A load that wanders as a first-order autoregression and white noise have the autocovariances
-        r_k = load^2 rho^k, and noise^2 on top of r_0 (r_1 and r_2 tell load and rho).
-        """
-        noise, load = [], []
-        for own in self.lefts:
-            v = own[0]
-            v = v - v.mean()
-            total = float(v @ v) / len(v)
-            first, second = (float(v[k:] @ v[:-k]) / len(v) for k in (1, 2))
-            rho = min(max(second / first, 0.05), 0.999) if first > 0.0 else 0.05
-            slow = min(max(first, 0.0) / rho, total)
-            load.append(math.sqrt(slow))
-            noise.append(math.sqrt(max(total - slow, 0.0)))
-        return np.array(noise), np.array(load)
+    def _noise(self) -> Floats:
+        """Variance of white noise on PV: least, likeliest, most, (3,), the median of all loops."""
+        return np.asarray(np.median([np.mean([nugget(v) for v in own], axis=0) for own in self.lefts], axis=0))
 
     @property
     def noise_sd(self) -> Size:
-        """Standard deviation of white noise on PV [unit of PV]."""
-        return size_of(self._noise_load[0])
+        """Standard deviation of white noise on PV [unit of PV]; none where the load may be all that is left."""
+        low, value, high = np.sqrt(np.maximum(self._noise, 0.0)).tolist()
+        return Size(None if low <= 0.0 else value, low, high, ROUGH if low <= 0.0 else "")
 
     @property
     def load_sd(self) -> Size:
         """Standard deviation of the load as it comes to PV without control [unit of PV]."""
-        return size_of(self._noise_load[1])
+        noise = max(float(self._noise[1]), 0.0)
+        return size_of(np.array([math.sqrt(max(float(np.var(own[0])) - noise, 0.0)) for own in self.lefts]))
 
     @cached_property
     def one_step_error(self) -> float:
@@ -242,14 +252,15 @@ class LoopFit(Shown):
         said = "sticks" if self.sticks else "may stick" if self.doubt else "shows no stick"
         valve = said if self.S.value is None else f"{said}, S = {self.S} {self.op_unit}"
         kind = "an integrating process" if self.best.integrating else "a process that settles"
+        kind = "a process that does not show" if self.closed else kind
         return f"{self.name or 'loop'}: the valve {valve}; {self.controller.form} controller, {kind}"
 
     def rows(self) -> list[list[str]]:
         """What is known, as rows of a table: what, value with its 90 % interval, unit."""
         law, pv, op = self.controller, self.pv_unit or "PV", self.op_unit
-        per = "/s" if self.best.integrating else ""
+        per = "/s" if self.best.integrating and not self.closed else ""
         valve = [["dead travel S", str(self.S), op], ["slip jump J", str(self.J), op]]
-        lag = [] if self.best.integrating else [["time constant", str(self.tau), "s"]]
+        lag = [] if self.best.integrating and not self.closed else [["time constant", str(self.tau), "s"]]
         return [
             ["controller K_p", str(self.K_p), f"{op} per {pv}"],
             ["controller T_i", str(self.T_i), "s"],

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.remedy.process import Day, Found, Loop, profiled
-from stickslip.remedy.search import at_coordinates, coordinates, half_wave
+from stickslip.remedy.search import at_coordinates, coordinates, half_wave, share_of_lags
 
 __all__ = ["population_of"]
 
@@ -67,13 +67,16 @@ def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found
     firsts = {one.loop.integrating: one for one in reversed(starts)}
     luck = {k: [profiled(days, one.loop, one.noises, draw).nll for draw in range(1, 7)] for k, one in firsts.items()}
     kind = min(luck, key=lambda each: float(np.mean(luck[each])) + (0.0 if each else pays))
-    return [one for one in starts if one.loop.integrating == kind], luck[kind]
+    least = firsts[kind].nll + FAR * TEMPER
+    return [one for one in starts if one.loop.integrating == kind and one.nll <= least], luck[kind]
 
 
 def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Floats:
     """Where a walker looks next: on by the difference of two others."""
     at = coordinates(now.loop, time)
-    ahead = at + np.array(LITTLE[: len(at)]) * rng.normal(size=len(at)) * (1.0 if turn < 3 else 0.3)
+    little = np.array(LITTLE[: len(at)])
+    little[1:3] *= share_of_lags(now.loop, time)
+    ahead = at + little * rng.normal(size=len(at)) * (1.0 if turn < 3 else 0.3)
     step = 2.38 / math.sqrt(2.0 * len(at)) if turn % 5 else 1.0
     ahead += step * (coordinates(b.loop, time) - coordinates(c.loop, time))
     ahead[1:3] = np.abs(ahead[1:3])

@@ -27,7 +27,6 @@ __all__ = [
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
-FINE = 25.0  # rows between two turns of OP: within a coarse row the controller answers, and the gain comes out wrong
 MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
 SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
@@ -58,7 +57,10 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """One record on an even grid: t, op, pv (n,), SP or None; ``q`` samples make a row; ``between`` turns [samples]."""
+    """One record on an even grid: t, op, pv (n,), SP or None; ``q`` samples make a row; ``between`` turns [samples].
+
+    Rows are samples as far as they may be: within a mean of several the controller answers, so that OP tells PV.
+    """
 
     t: Floats
     dt: float
@@ -117,10 +119,7 @@ def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
     rows = rows_of(op, pv)
     if rows is None:
         return None
-    pv = _noisy(pv)
-    fewest, most = (math.ceil(len(op) / count) for count in (MOST, FEW))
-    q = min(max(int(rows.between / FINE), fewest, 1), most)
-    return Day(t, float(t[1] - t[0]), op, pv, sp, q, rows.between)
+    return Day(t, float(t[1] - t[0]), op, _noisy(pv), sp, math.ceil(len(op) / MOST), rows.between)
 
 
 def _noisy(pv: Floats) -> Floats:

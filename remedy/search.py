@@ -3,8 +3,9 @@
 1  without stick: lag and dead time on a grid, self-regulating and integrating, the best made better
 2  with stick: ``DRAWN`` loops of both laws and kinds about the size that ``stickslip.detect.likelihood`` finds; in
    ``STAGES``, the best are made better by the simplex of Nelder and Mead, gain and noise following each try
-3  the other kind of process, with the valve that is found
-4  the processes of these loops without stick: a stick gains nothing by a process that was found with it alone
+3  loops whose slips look like those of the best one: other J with K J as it is, other dead times, bands anew
+4  the other kind of process, with the valve that is found
+5  the processes of these loops without stick: a stick gains nothing by a process that was found with it alone
 """
 
 from __future__ import annotations
@@ -19,16 +20,18 @@ from stickslip.remedy.left import Left
 from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
 from stickslip.remedy.slips import banded
 
-__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave"]
+__all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave", "share_of_lags"]
 
 Floats = NDArray[np.float64]
 LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
 DRAWN, TURNS = 100, 7  # loops that stick, to start from, and turns of bands and path for each
 WIDE, NARROWER = 0.3, 0.75  # r at first, and over that of the turn before
 STAGES = ((10, 24), (4, 40), (2, 80))  # how many are made better, by how many tries; the last in all rows, bands too
+JUMPS, LATE = (0.1, 0.3, 0.5, 0.7, 0.9), (0.0, 1.0, 3.0)  # J over S and dead times [rows] of what may look alike
+AGAIN = 2  # starts in one more place each that are made better
 PLAIN, CROSSED = 120, 160  # tries of a loop without stick, and of the other kind of process
-LAGS = (0.04, 0.1, 0.25, 0.6, 1.5, 4.0)  # of the time between two turns of OP
-DELAYS = (0.0, 0.05, 0.15, 0.3)
+LAGS = 9  # without stick, from a row to four times the time between two turns of OP
+DELAYS = (0.0, 0.05, 0.15, 0.3)  # of that time, or of three lags
 RIVALS = 6  # loops that are kept beside the best
 BEHIND = 80.0  # nats, that the best of a law and kind may be behind to be made better
 SLOWEST = 20.0  # of the time between two turns of OP: a lag beyond is an integrator
@@ -61,13 +64,13 @@ def best_without(days: Sequence[Day], integrating: bool | None, way: float) -> l
     time, found, coarse = half_wave(days), [], [day.coarse for day in days]
     for kind in (False, True) if integrating is None else (integrating,):
         noises = start_noise(coarse, kind)
+        lags = [time] if kind else np.geomspace(days[0].dt, 4.0 * time, LAGS).tolist()
         tried = [
-            _weighed(coarse, Loop(False, 0.0, 0.0, kind, way, lag * time, 0.0, late * _late(days)), noises, 1)
-            for lag in (LAGS if not kind else LAGS[:1])
-            for late in DELAYS
-        ]
-        best = min(tried, key=lambda one: one.nll).loop
-        found.append(_near(days, best, PLAIN))
+            _weighed(coarse, Loop(False, 0.0, 0.0, kind, way, lag, 0.0, late * min(_late(days), 3.0 * lag)), noises, 1)
+            for lag in lags for late in DELAYS
+        ]  # fmt: skip
+        best = sorted(tried, key=lambda one: one.nll)[:AGAIN]
+        found.append(min((_near(days, one.loop, PLAIN) for one in best), key=lambda one: one.nll))
     return sorted(found, key=lambda one: one.nll)
 
 
@@ -91,18 +94,16 @@ def best_with(days: Sequence[Day], starts: Sequence[Found], S: float, seed: int 
         )  # fmt: skip
         size = spread / (moved * (0.5 * time if one.integrating else 1.0)) * 3.0 ** rng.uniform(-0.5, 1.0)
         one = replace(one, K=math.copysign(size, start.K))
-        turns, left = [], tuple(noises[one.integrating])
-        for _ in range(TURNS):
-            said = predicted(days, one, left)
-            turns.append(Found(one, left, said.nll))
-            one, left = _followed(days, one, said.shown, NARROWER)
-        tried.append(min(turns, key=lambda each: each.nll))
+        tried.append(_in_turns(days, one, noises[one.integrating]))
     for kept, evaluations in STAGES:
         whole = kept == STAGES[-1][0]
         if whole:
             days, tried = fine, [_weighed(fine, one.loop, start_noise(fine, one.loop.integrating)) for one in tried]
         tried = _apart(tried)
         tried = [*(_better(days, one, evaluations, whole) for one in tried[:kept]), *tried[kept:RIVALS]]
+    best = min(tried, key=lambda one: one.nll)
+    others = [_in_turns(days, one, best.noises) for one in _alike(best.loop, days[0].dt)]
+    tried += [_better(days, one, STAGES[-1][1]) for one in sorted(others, key=lambda one: one.nll)[:AGAIN]]
     if len(starts) > 1:
         tried.append(_of_the_other_kind(days, min(tried, key=lambda one: one.nll)))
     return sorted(tried, key=lambda one: one.nll)
@@ -130,6 +131,27 @@ def _near(days: Sequence[Day], one: Loop, tries: int) -> Found:
     return _better(days, _weighed(days, one, start_noise(days, one.integrating)), tries)
 
 
+def _alike(one: Loop, dt: float) -> list[Loop]:
+    """Loops whose slips look alike: a smaller J behind a larger gain, a smaller S behind a longer dead time.
+
+    The simplex does not go along these ridges.  The bands follow the path.
+    """
+    slip = one.K * max(one.J, JUMPS[0] * one.S)
+    return [
+        replace(one, J=J * one.S, K=slip / (J * one.S), theta=late * dt, r=0.5 * WIDE) for J in JUMPS for late in LATE
+    ]  # fmt: skip
+
+
+def _in_turns(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Found:
+    """The likeliest of ``TURNS`` loops, each with the bands, gain and noise that the path of the last one asks for."""
+    turns, left = [], tuple(noises)
+    for _ in range(TURNS):
+        said = predicted(days, one, left)
+        turns.append(Found(one, left, said.nll))
+        one, left = _followed(days, one, said.shown, NARROWER)
+    return min(turns, key=lambda each: each.nll)
+
+
 def _followed(
     days: Sequence[Day], one: Loop, shown: Sequence[Floats], narrower: float = 1.0
 ) -> tuple[Loop, tuple[Left, ...]]:
@@ -155,6 +177,11 @@ def coordinates(one: Loop, time: float) -> Floats:
     """All that is free (6,) or, without stick, (3,); not K, which follows by least squares; ``time``: ``half_wave``."""
     stick = [math.log(one.S), one.J / one.S, math.log(one.r)] if one.S > 0.0 else []
     return np.array([math.log(one.tau), one.theta / (0.1 * time), one.tau_2 / (0.1 * time), *stick])
+
+
+def share_of_lags(one: Loop, time: float) -> float:
+    """By how much steps of dead time and second lag are smaller where a loop is fast beside its turns (0 to 1)."""
+    return min(1.0, 3.0 * (one.tau + one.tau_2 + one.theta) / time)
 
 
 def at_coordinates(one: Loop, at: Floats, time: float, dt: float) -> Loop | None:
@@ -185,7 +212,8 @@ def _better(days: Sequence[Day], start: Found, evaluations: int, whole: bool = T
     if start.loop.K == 0.0:
         return start
     at = coordinates(start.loop, time)
-    sizes = [0.3, 0.4, 0.3, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
+    late = share_of_lags(start.loop, time)
+    sizes = [0.3, 0.4 * late, 0.3 * late, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
     free = range(1 if start.loop.integrating else 0, len(at) if whole else 3)  # an integrator has no tau
 
     def loss(own: Floats) -> float:

@@ -123,6 +123,7 @@ def sentences(found: "LoopFit") -> list[str]:
     share = f"{100 * law.explained:.1f} %"
     law_line = f"The controller is {law.form}, every {law.dt:g} s; its law explains {share} of how OP moves."
     kind = "integrates" if found.best.integrating else "settles by itself"
+    kind = "does not show" if found.closed else kind
     fits = (
         f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not predicted; the "
         f"stem alone, without the load, leaves {100 * found.free_error:.0f} %."

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stickslip.remedy.left import free_of_line, past, size, wandering, whitened
+from stickslip.remedy.left import free_of_line, nugget, past, size, wandering, whitened
 
 
 def wander(n=20_000, a=0.8):
@@ -44,3 +44,12 @@ def test_a_line_goes_and_outliers_count_less():
     np.testing.assert_allclose([level, slope, np.abs(v).max()], [3.0, 0.5, 0.0], atol=1e-12)
     e = np.random.default_rng(2).normal(size=1000)
     assert size(np.append(e, 1e6)) < 1.2 * size(e)
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_the_noise_beside_a_load_lies_within_its_interval(smooth):
+    load = wander(6_000, 0.98)[0]
+    load = 0.05 * np.convolve(load, np.ones(20), "same") if smooth else load
+    low, value, high = nugget(load + 2.0 * np.random.default_rng(7).normal(size=6_000))
+    assert low < 4.0 < high and value == pytest.approx(4.0, rel=0.15)
+    assert nugget(load)[0] < 0.05 and nugget(load)[2] < 0.8  # none
