@@ -43,9 +43,8 @@ def with_switches(now: Innovations) -> Innovations:
     best = _placed(now, {s: {} for s in switching}, np.append(np.arange(0.0, most, step), most))
     # where all switches are far off, each drives the run from the log for the next: near ones are tried as well
     fine = np.array([-step, step]) if frame.scanned else np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
-    if best is not now or frame.scanned:
-        known = best.hypothesis.frame.record.leads
-        best = _placed(best, {s: known.get(s, {}) for s in switching}, fine)
+    for s in switching if best is not now or frame.scanned else ():  # each alone: two may switch between the same rows
+        best = _placed(best, {s: best.hypothesis.frame.record.leads.get(s, {})}, fine)
     return now if best is now else _likelier(now, best.hypothesis.frame)
 
 
@@ -71,17 +70,18 @@ def moved_alike(fit: Fit) -> Innovations | None:
         return None
     names, D, I = [fit.names[k] for k in own], fit.slopes[own][:, frame.counted], fit.I[np.ix_(own, own)]
     step = frame.scanned or log.dt / TRIED
+    known = {s: frame.record.leads.get(s, {}) for s in switching}
+    steps = [way * by for by in np.arange(step, log.dt, step) for way in (1.0, -1.0)]
     best, d, frame_of_best = now.nll - GAIN, np.zeros(len(own)), frame
-    for by in np.arange(step, log.dt, step):
-        for way in (by, -by):
-            there = _with_leads(frame, _moved(frame, {s: frame.record.leads.get(s, {}) for s in switching}, way))
-            found = tried(one.of(there), now.values, now)
-            if found is None:
-                continue
-            g = np.sum(D * np.nan_to_num(found.weights * found.e)[frame.counted], axis=(1, 2))
-            follows = -np.linalg.lstsq(I, g, rcond=None)[0]
-            if found.nll + 0.5 * float(g @ follows) < best:
-                best, d, frame_of_best = found.nll + 0.5 * float(g @ follows), follows, there
+    for by in steps:
+        there = _with_leads(frame, _moved(frame, known, by))
+        found = tried(one.of(there), now.values, now)
+        if found is None:
+            continue
+        g = np.sum(D * np.nan_to_num(found.weights * found.e)[frame.counted], axis=(1, 2))
+        follows = -np.linalg.lstsq(I, g, rcond=None)[0]
+        if found.nll + 0.5 * float(g @ follows) < best:
+            best, d, frame_of_best = found.nll + 0.5 * float(g @ follows), follows, there
     if frame_of_best is frame:
         return None
     found = tried(one.of(frame_of_best), {**now.values, **moved(one, names, now.values, d)})
@@ -111,7 +111,7 @@ def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats) -> 
     stays = _moved(frame, {s: frame.record.leads.get(s, {}) for s in about}, 0.0)
     losses, leads = [], []
     for trial in (stays, *(_moved(frame, about, step) for step in steps)):
-        found = tried(now.hypothesis.of(_with_leads(frame, trial)), now.values, now)
+        found = tried(now.hypothesis.of(_with_leads(frame, {**frame.record.leads, **trial})), now.values, now)
         if found is not None:
             losses.append(found.losses)
             leads.append(trial)
@@ -121,7 +121,7 @@ def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats) -> 
     likeliest = {
         s: {k: leads[int(np.argmin(cost[:, k : k + BEHIND].sum(axis=1)))][s][k] for k in rows[s]} for s in about
     }
-    found = tried(now.hypothesis.of(_with_leads(frame, likeliest)), now.values, now)
+    found = tried(now.hypothesis.of(_with_leads(frame, {**frame.record.leads, **likeliest})), now.values, now)
     return found if found is not None and found.nll < float(cost[0][frame.counted].sum()) - GAIN else now
 
 
