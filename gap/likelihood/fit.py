@@ -143,7 +143,7 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
             if known_probe is None:
                 continue
             probe = known_probe
-        elif name in one.noise_keys:
+        elif name in one.noise_keys or _makes_noise(now, name):
             probe = one.noisier(now, {name: value(one, name, at + by)})
         else:
             found = _probed(now, name, at, by)
@@ -168,6 +168,15 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
     _, pull, hold = _drawn(now)
     g = np.array(gradient) + [pull.get(name, 0.0) for name in felt]
     return g, D @ D.T + 0.5 * V @ V.T + np.diag([hold.get(name, 0.0) for name in felt]), felt, slopes
+
+
+def _makes_noise(now: Innovations, name: str) -> bool:
+    """Return whether a parameter of an effect only makes random numbers larger: with the same gains nothing moves."""
+    one = now.hypothesis
+    if one.effect is None or name not in one.own:
+        return False
+    own = {key: now.values[key] for key in one.own}
+    return one.effect.settings(one.frame.model, one.place, **own).keys() <= one.noise_keys
 
 
 def _aside(at: float, high: float) -> float:

@@ -44,3 +44,4 @@ def test_a_noise_that_is_off_by_far_more_is_a_gap() -> None:
     report = diagnosed(noise_factor=4.0)
     assert [one.effect for one in report.causes] == ["sensor_noise"]
     assert report.causes[0].parameters["factor"].value == pytest.approx(4.0, rel=0.1)
+    assert report.causes[0].parameters["factor"].low < 4.0 < report.causes[0].parameters["factor"].high
