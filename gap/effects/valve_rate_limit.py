@@ -9,7 +9,7 @@ from stickslip.blocks.rate_limiter import RateLimiter
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter
-from stickslip.gap.insertion.inserted import Inserted, percent_out
+from stickslip.gap.insertion.inserted import Inserted, percent_of_stem
 
 
 class ValveRateLimit(Inserted):
@@ -31,7 +31,7 @@ class ValveRateLimit(Inserted):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the rate in units of the stem."""
-        rate = values["rate"] * percent_out(diagram, place)
+        rate = values["rate"] * percent_of_stem(diagram, place)
         return {f"{self.block(place)}.{side}": rate for side in ("up", "down")}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:

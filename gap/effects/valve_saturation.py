@@ -9,7 +9,7 @@ from stickslip.blocks.role import Role
 from stickslip.blocks.saturation import Saturation
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter
-from stickslip.gap.insertion.inserted import Inserted, percent_out
+from stickslip.gap.insertion.inserted import Inserted, percent_of_stem
 
 
 class ValveSaturation(Inserted):
@@ -31,7 +31,7 @@ class ValveSaturation(Inserted):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the stops in units of the stem."""
-        percent, name = percent_out(diagram, place), self.block(place)
+        percent, name = percent_of_stem(diagram, place), self.block(place)
         low, high = (np.asarray(values[key], dtype=float) for key in ("low", "high"))
         ends = np.where(low > 0.0, low * percent, -np.inf), np.where(high < 100.0, high * percent, np.inf)
         return {f"{name}.low": ends[0][()], f"{name}.high": ends[1][()]}

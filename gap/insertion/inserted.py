@@ -1,6 +1,7 @@
 """Effects that are one block in the path of a signal: most of them.
 
-at       what the place gives goes through the block, and whoever reads or logs it sees the effect
+at       what the place gives goes through the block, and whoever reads or logs it sees the effect; at a valve that
+         gives its flow, what enters it (``stickslip.gap.insertion.bent_valve``)
 after    the same for those who use it, while a log still shows what the place gave: flow behind the stem position
 before   what enters the place goes through the block, and nobody else sees it
 """
@@ -11,6 +12,7 @@ from typing import ClassVar, Literal
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.bent_valve import gives_flow, with_stem
 from stickslip.gap.insertion.effect import Effect, known_first
 from stickslip.gap.insertion.paths import given, measured, users
 from stickslip.gap.insertion.scales import ends, span
@@ -45,7 +47,7 @@ class Inserted(Effect):
         if self.where == "before":
             return diagram.insert(str(self.enters(diagram, block)), new, readers=place)
         if self.where == "at":
-            return diagram.insert(str(block.output_labels[0]), new)
+            return with_stem(diagram, place, new)
         signal = given(diagram, place)
         return diagram.insert(signal, new, readers=users(diagram, signal))
 
@@ -65,6 +67,11 @@ class Inserted(Effect):
 def percent_in(diagram: Diagram, place: str) -> float:
     """Return one percent of the span of what enters a valve, OP [its unit]."""
     return span(diagram, str(diagram[place].input_labels[0])) / 100.0
+
+
+def percent_of_stem(diagram: Diagram, place: str) -> float:
+    """Return one percent of the travel of a valve's stem [unit of what it gives, or of OP where that is a flow]."""
+    return percent_in(diagram, place) if gives_flow(diagram, place) else percent_out(diagram, place)
 
 
 def percent_out(diagram: Diagram, place: str) -> float:

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.gap.insertion.bent_valve import gives_flow
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.offsets import offsets
@@ -37,7 +38,7 @@ def read_off(one: Hypothesis) -> list[tuple[float, float]]:
     """
     f, effect = one.frame, one.effect
     signal = given(f.model, one.place)
-    if effect is None or signal not in f.record.pinned:
+    if effect is None or signal not in f.record.pinned or gives_flow(f.model, one.place):
         return []
     seen = f.record.log[signal]
     wanted = seen - offsets(f.quiet, f.record)[0, :, f.record.pinned.index(signal)]

@@ -13,6 +13,7 @@ from stickslip.blocks.recorded import Recorded
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
+from stickslip.gap.insertion.bent_valve import stem_signal, with_stem
 from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
@@ -32,7 +33,7 @@ class KnownStem(Effect):
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with the stem."""
-        signal, given = str(diagram[place].output_labels[0]), f"{self.block(place)}:given"
+        signal, given = stem_signal(diagram, place), f"{self.block(place)}:given"
         stem = Sum(signal, {signal: 0.0, given: 1.0}, name=self.block(place))
         played = Recorded(given, self.t, self.values, hold=self.hold, name=given)
-        return close(diagram.insert(signal, stem, inputs=[given]), {given: played})
+        return close(with_stem(diagram, place, stem, (given,)), {given: played})

@@ -1,0 +1,59 @@
+"""Valve blocks that hold their characteristic: what they give is a flow, and their stem stands before it.
+
+A stem sticks, lags and stops as it is wanted, so what it does comes before the law from stem to flow.  A gain and a
+leak are of the flow, and come behind.  Where a valve gives its stem, or what is in proportion to it, both are the same.
+Half of a split range stands at its stop where the other half moves: what it gives is its stem.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.scales import ends
+
+POINTS = 5  # at which what a valve gives is held against a straight line
+STRAIGHT = 1e-3  # of its range, that it may be off
+
+
+def gives_flow(diagram: Diagram, place: str) -> bool:
+    """Return whether a valve without memory bends what enters it, and stands nowhere.
+
+    >>> from stickslip.blocks import Equations, IdealValve
+    >>> from stickslip.diagram import wire
+    >>> law = Equations("valve", out=lambda OP: 30.0 ** (OP - 1.0), inputs="OP", outputs="f")
+    >>> gives_flow(wire([law.with_role("valve", OP="OP", MV="f")], inputs=["OP"]), "valve")
+    True
+    >>> gives_flow(wire([IdealValve()], inputs=["OP"]), "valve")
+    False
+    """
+    block = diagram[place]
+    plain = block.role is Role.VALVE and len(block.input_labels) == len(block.output_labels) == 1
+    if not plain or block.state_names or block.memory_names or block.sampled:
+        return False
+    low, high = ends(diagram, str(block.input_labels[0])) or (0.0, 1.0)
+    return _bends(block, low, high)
+
+
+@lru_cache(maxsize=256)
+def _bends(block: Block, low: float, high: float) -> bool:
+    at = np.linspace(low, high, POINTS)
+    values = np.array([float(block.output(0.0, [], [u])[0]) for u in at.tolist()])
+    line = values[0] + (values[-1] - values[0]) * (at - low) / (high - low)
+    moves = bool(np.all(np.diff(values) > 0.0) or np.all(np.diff(values) < 0.0))
+    return moves and bool(np.max(np.abs(values - line)) > STRAIGHT * float(np.ptp(values)))
+
+
+def with_stem(diagram: Diagram, place: str, stem: Block, inputs: tuple[str, ...] = ()) -> Diagram:
+    """Return the diagram with a block where the stem of a valve is; of several inputs one has its signal's name."""
+    block = diagram[place]
+    if gives_flow(diagram, place):
+        return diagram.insert(str(block.input_labels[0]), stem, readers=place, inputs=inputs)
+    return diagram.insert(str(block.output_labels[0]), stem, inputs=inputs)
+
+
+def stem_signal(diagram: Diagram, place: str) -> str:
+    """Return the signal at a valve, in a model without effects, that is the stem: what it gives, or what enters it."""
+    block = diagram[place]
+    return str((block.input_labels if gives_flow(diagram, place) else block.output_labels)[0])
