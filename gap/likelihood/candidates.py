@@ -131,10 +131,8 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     at = {key: null.best.values[key] for key in one.frame.free}
     still = tried(null.hypothesis, null.best.values, null.best)
     met = [values for size in sizes(null, one) if _is_met(null, still, one, values := {**at, **size})]
-    likely: list[Innovations] = []
-    for values in met:
-        found = tried(one, values, None, FIRST_RUNS, likely[0] if likely else None)
-        likely = sorted((x for x in (found, *likely) if x is not None), key=lambda x: x.nll)
+    each = [x for values in met if (x := tried(one, values, None, FIRST_RUNS)) is not None]
+    likely = sorted(each, key=lambda x: x.nll)
     # inputs have switched where it suits a loop without a limit: what a controller makes of them is felt most
     several = SWITCHED if one.frame.model[one.place].role is Role.CONTROLLER else 1
     best = _likeliest(with_switches(x) for x in likely[:several])

@@ -61,14 +61,17 @@ def _shows(now: Innovations, switching: Sequence[str]) -> bool:
 
 
 def moved_alike(fit: Fit) -> Innovations | None:
-    """Return a filter with all switches of inputs moved alike, and the sizes that follow; None if none is likelier."""
+    """Return a filter with all switches of inputs moved alike, and the sizes that follow; None if none is likelier.
+
+    Where no effect is in the model, switches make up for what is missing.
+    """
     now, one = fit.best, fit.hypothesis
     frame, log = one.frame, one.frame.record.log
     switching = [s for s in frame.record.played if switches(log, s)]
     own = [k for k, name in enumerate(fit.names) if name not in one.noise_keys]
-    if not switching or not own or frame.replays or frame.record.filter is not None:
+    if not switching or not own or one.effect is None or frame.replays or frame.record.filter is not None:
         return None
-    names, D, I = [fit.names[k] for k in own], fit.slopes[own][:, frame.counted], fit.I[np.ix_(own, own)]
+    names, D, information = [fit.names[k] for k in own], fit.slopes[own][:, frame.counted], fit.I
     step = frame.scanned or log.dt / TRIED
     known = {s: frame.record.leads.get(s, {}) for s in switching}
     steps = [way * by for by in np.arange(step, log.dt, step) for way in (1.0, -1.0)]
@@ -79,7 +82,7 @@ def moved_alike(fit: Fit) -> Innovations | None:
         if found is None:
             continue
         g = np.sum(D * np.nan_to_num(found.weights * found.e)[frame.counted], axis=(1, 2))
-        follows = -np.linalg.lstsq(I, g, rcond=None)[0]
+        follows = -np.linalg.lstsq(information[np.ix_(own, own)], g, rcond=None)[0]
         if found.nll + 0.5 * float(g @ follows) < best:
             best, d, frame_of_best = found.nll + 0.5 * float(g @ follows), follows, there
     if frame_of_best is frame:
