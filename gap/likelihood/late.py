@@ -1,8 +1,9 @@
 """A dead time as scan values: what a filter can spread, which it cannot do with the records of a delay.
 
-    y_k = (1 - w) u_(k-j) + w u_(k-j-1),   theta = (j + w) dt,   0 <= w < 1
+    y_k = (1 - w) u_(k-j) + w u_(k-j-1),   theta = (j + w) dt + held/2,   0 <= w < 1
 
-Between scans y is held; a held input is delayed exactly by multiples of dt.
+Between scans y is held; a held input is delayed exactly by multiples of dt.  Where the scans of the record are finer
+than dt, y is ``held`` [s] longer than they are, which delays it by half of that in the mean.
 """
 
 import math
@@ -15,7 +16,7 @@ from stickslip.blocks.role import Role
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n = int(p[2])
-    back = min(max(p[0] / p[1], 0.0), n - 1.0)
+    back = min(max((p[0] - 0.5 * p[3]) / p[1], 0.0), n - 1.0)
     j = math.floor(back)
     w = back - j
     for i in range(n - 1, 0, -1):
@@ -38,9 +39,11 @@ class Late(Block):
     kernels = Kernels(step=_step)
     period_param = "dt"
 
-    def __init__(self, theta: float, *, dt: float, longest: float, start: float = 0.0, name: str = "late") -> None:
+    def __init__(
+        self, theta: float, *, dt: float, longest: float, held: float = 0.0, start: float = 0.0, name: str = "late"
+    ) -> None:
         scans = math.ceil(longest / dt - 1e-9) + 2
         super().__init__(
-            name=name, params={"theta": theta, "dt": dt, "scans": float(scans)},
+            name=name, params={"theta": theta, "dt": dt, "scans": float(scans), "held": held},
             memory={f"u_{i}": start for i in range(scans)}, start_output=[start],
         )  # fmt: skip

@@ -18,6 +18,7 @@ from stickslip.engine.restarts import never_paused
 from stickslip.engine.run import Settings, prepare
 from stickslip.engine.snapshot import Snapshot
 from stickslip.engine.table import Component
+from stickslip.gap.insertion.scales import time_scale
 from stickslip.gap.likelihood.late import Late
 from stickslip.gap.records.model import Nuisance, nuisances, silenced, smooth_memories
 from stickslip.gap.records.record import Record
@@ -25,7 +26,8 @@ from stickslip.gap.records.record import Record
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
-TAPS = 25  # scan values of a dead time, at most: each is a state of the filter
+TAPS = 25  # values of a dead time, at most: each is a state of the filter
+FINE = 0.01  # of the time scale of a loop: so far apart these values may be, or a scan
 
 
 class NoFilter(ValueError):
@@ -110,12 +112,14 @@ def prepared(
     for block in list(quiet.blocks):
         key = f"{block.name}.{block.dead_time_param}"
         theta = block.dead_time if block.dead_time_param else 0.0
-        most = max(theta, min(longest.get(key, 0.0), TAPS * scan))
+        followed = max(TAPS * max(scan, FINE * time_scale(model, block.name)), 2.0 * theta) if key in longest else theta
+        most = max(theta, min(longest.get(key, 0.0), followed))
         if most > 0.0:
             dt = scan * max(1, math.ceil(most / scan / TAPS))
             quiet = quiet.with_params({key: 0.0})
             for j, s in enumerate(block.input_labels):
-                new = Late(theta, dt=dt, longest=most, start=block.value_before, name=f"{block.name}:late{j}")
+                name = f"{block.name}:late{j}"
+                new = Late(theta, dt=dt, longest=most, held=dt - scan, start=block.value_before, name=name)
                 quiet = quiet.insert(str(s), new, readers=block.name)
                 late[key] = f"{new.name}.theta"
     given = {s: record.source(s) for s in record.played}
