@@ -1,5 +1,7 @@
 """Effects at a valve that holds its characteristic: the stem stands before the law, gain and leak are of the flow."""
 
+import math
+
 import numpy as np
 import pytest
 from stickslip.blocks import Equations, FirstOrder, QuasiStaticStem
@@ -46,7 +48,10 @@ def test_a_gain_and_a_leak_are_of_the_flow():
     assert leak[-1] > 0.0
 
 
-@pytest.mark.parametrize(("out", "bent"), [(law, True), (lambda OP: 2.0 * OP, False), (lambda OP: max(OP, 0.5), False)])
+@pytest.mark.parametrize(
+    ("out", "bent"),
+    [(law, True), (lambda OP: 2.0 * OP, False), (lambda OP: max(OP, 0.5), False), (lambda OP: math.log(OP), False)],
+)
 def test_what_gives_its_stem_or_half_of_a_split_range_is_no_flow(out, bent):
     block = Equations("valve", out=out, inputs="OP", outputs="MV").with_role("valve", OP="OP", MV="MV")
     assert gives_flow(wire([block], inputs=["OP"]), "valve") == bent

@@ -17,6 +17,9 @@ from stickslip.logs import Log
 
 STEAM, R, LOSS, HEAT = 80.0, 30.0, 0.365, 400.0  # [kW], [-], [kW/K], [kJ/K]
 DT, SCAN, ROW = 0.5, 2.0, 5.0  # [s]
+GAINS = ("valve_gain", "valve_characteristic", "process_gain", "sensor_span", "controller_gain")
+OTHERS = ("process_time_constant", "dead_time", "sensor_bias", "valve_leak", "step_disturbance")
+RIVALS = [effect(name) for name in (*GAINS, *OTHERS)]
 
 
 def logged(rate: Callable[[float, float], float], push: float, sd: float, seed: int = 3, hours: float = 2.0) -> Log:
@@ -61,7 +64,7 @@ def test_a_valve_of_equal_percentage_is_named_though_the_model_has_its_flow_at_o
     log = logged(lambda T, op: (STEAM * R ** (0.01 * op - 1.0) - LOSS * (T - 20.0)) / HEAT, 0.002, 0.5)
     at_rest = {"G": STEAM * R**-0.5 / 50.0, "C": HEAT, "UA": LOSS}
     process = Equations("process", der=linear_tank, states={"T": 60.0}, inputs=["MV", "load"], params=at_rest)
-    (cause,) = diagnose(around([process], 0.5), log).causes
+    (cause,) = diagnose(around([process], 0.5), log, catalogue=RIVALS).causes
     assert (cause.effect, cause.place) == ("valve_characteristic", "valve")
     found = {name: size.value for name, size in cause.parameters.items()}
     for op in (45.0, 50.0, 55.0):  # where the loop runs
@@ -76,7 +79,7 @@ def test_a_gain_about_the_operating_point_is_named_with_it(gain, named):
         FirstOrder(0.4, 300.0, start=20.0, inputs="MV", outputs="y"),
         Sum("T", {"y": 1.0, "load": 1.0}, offset=40.0),
     ]
-    report = diagnose(around(process, 0.3), log)
+    report = diagnose(around(process, 0.3), log, catalogue=RIVALS)
     assert report.gap == named
     if named:
         (cause,) = report.causes
