@@ -49,11 +49,12 @@ def _bends(block: Block, low: float, high: float) -> bool:
 
 
 def with_stem(diagram: Diagram, place: str, stem: Block, inputs: tuple[str, ...] = ()) -> Diagram:
-    """Return the diagram with a block where the stem of a valve is; of several inputs one has its signal's name."""
-    block = diagram[place]
-    if gives_flow(diagram, place):
-        return diagram.insert(str(block.input_labels[0]), stem, readers=place, inputs=inputs)
-    return diagram.insert(str(block.output_labels[0]), stem, inputs=inputs)
+    """Return the diagram with a block where the stem of a valve is; of several inputs one has its signal's name.
+
+    At any other place it is in what the place gives.
+    """
+    readers = place if gives_flow(diagram, place) else None
+    return diagram.insert(stem_signal(diagram, place), stem, readers=readers, inputs=inputs)
 
 
 def stem_signal(diagram: Diagram, place: str) -> str:

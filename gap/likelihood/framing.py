@@ -56,7 +56,7 @@ def _followed(frame: Frame, asked: bool) -> Frame | None:
         alone = Hypothesis(replace(frame, doubts=rounded(frame.record)))
         if len(frame.model.blocks) > MOST_BLOCKS or len(alone.prepared.states) > MOST_STATES:
             raise NoFilter(f"the model has more than {MOST_BLOCKS} blocks or {MOST_STATES} states")
-        most = MORE * alone.filtered({}).steps if asked else BUDGET
+        most = min(MORE * alone.filtered({}).steps, BUDGET) if asked else BUDGET
     except ArithmeticError:
         return None
     return replace(alone.frame, most_steps=most)

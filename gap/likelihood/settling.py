@@ -16,16 +16,16 @@ def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
     start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
     if start is None:
         return fit
-    for _ in range(rounds):
+    for left in reversed(range(rounds)):
         start = with_switches(start)
         fit = refined(start, free_names(one), ROUNDS if one.frame.replays else FIRST)
-        if fit.best is start:
-            found = moved_alike(fit)
-            if found is None:
-                break
-            start = found
-        else:
+        if fit.best is not start:
             start = fit.best
+            continue
+        ahead = moved_alike(fit) if left else None
+        if ahead is None:
+            break
+        start = ahead
     return fit
 
 

@@ -10,7 +10,7 @@ alike as well, and for each step the sizes x follow from the slopes D of the inn
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,8 +35,8 @@ GAIN = 1.0  # nats that other instants must gain
 def with_switches(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that switch when it suits the record; the same if none does."""
     frame = now.hypothesis.frame
-    switching = [s for s in frame.record.played if switches(frame.record.log, s)]
-    if not switching or frame.record.filter is not None or not _shows(now, switching):
+    switching = _switching(frame)
+    if not switching or not _shows(now, switching):
         return now
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
@@ -44,7 +44,7 @@ def with_switches(now: Innovations) -> Innovations:
     # where all switches are far off, each drives the run from the log for the next: near ones are tried as well
     fine = np.array([-step, step]) if frame.scanned else np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
     for s in switching if best is not now or frame.scanned else ():  # each alone: two may switch between the same rows
-        best = _placed(best, {s: best.hypothesis.frame.record.leads.get(s, {})}, fine)
+        best = _placed(best, _leads(best.hypothesis.frame, [s]), fine)
     return now if best is now else _likelier(now, best.hypothesis.frame)
 
 
@@ -67,17 +67,16 @@ def moved_alike(fit: Fit) -> Innovations | None:
     """
     now, one = fit.best, fit.hypothesis
     frame, log = one.frame, one.frame.record.log
-    switching = [s for s in frame.record.played if switches(log, s)]
+    known = _leads(frame, _switching(frame))
     own = [k for k, name in enumerate(fit.names) if name not in one.noise_keys]
-    if not switching or not own or one.effect is None or frame.replays or frame.record.filter is not None:
+    if not known or not own or one.effect is None or frame.replays:
         return None
     names, D, information = [fit.names[k] for k in own], fit.slopes[own][:, frame.counted], fit.I
     step = frame.scanned or log.dt / TRIED
-    known = {s: frame.record.leads.get(s, {}) for s in switching}
     steps = [way * by for by in np.arange(step, log.dt, step) for way in (1.0, -1.0)]
     best, d, frame_of_best = now.nll - GAIN, np.zeros(len(own)), frame
     for by in steps:
-        there = _with_leads(frame, _moved(frame, known, by))
+        there = _with_leads(frame, _stepped(frame, known, by))
         found = tried(one.of(there), now.values, now)
         if found is None:
             continue
@@ -111,9 +110,9 @@ def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats) -> 
     """
     frame = now.hypothesis.frame
     rows = {s: switch_rows(frame.record.log, s).tolist() for s in about}
-    stays = _moved(frame, {s: frame.record.leads.get(s, {}) for s in about}, 0.0)
+    stays = _stepped(frame, _leads(frame, about), 0.0)
     losses, leads = [], []
-    for trial in (stays, *(_moved(frame, about, step) for step in steps)):
+    for trial in (stays, *(_stepped(frame, about, step) for step in steps)):
         found = tried(now.hypothesis.of(_with_leads(frame, {**frame.record.leads, **trial})), now.values, now)
         if found is not None:
             losses.append(found.losses)
@@ -144,7 +143,19 @@ def _likelier(now: Innovations, other: Frame) -> Innovations:
     return min((x for x in (now, own, both) if x is not None), key=lambda x: x.nll)
 
 
-def _moved(frame: Frame, about: Leads, step: float) -> dict[str, dict[int, float]]:
+def _switching(frame: Frame) -> list[str]:
+    """Return the inputs that switch; none where a large diagram has a filter of its own."""
+    if frame.record.filter is not None:
+        return []
+    return [s for s in frame.record.played if switches(frame.record.log, s)]
+
+
+def _leads(frame: Frame, signals: Iterable[str]) -> Leads:
+    """Return by how much inputs are thought to switch before the rows that show it [s]."""
+    return {s: frame.record.leads.get(s, {}) for s in signals}
+
+
+def _stepped(frame: Frame, about: Leads, step: float) -> dict[str, dict[int, float]]:
     """Return switches that lie a step [s] from where they are thought to be, within their intervals."""
     most = frame.record.log.dt * (1.0 - LATE)
     return {
