@@ -162,7 +162,9 @@ class LoopFit(Shown):
     @cached_property
     def KJ(self) -> Size:
         """How far PV goes after a slip, K J [unit of PV]: known where K and J alone are not."""
-        return size_of(self.each("K") * self.each("J")) if self.sticks else self.S
+        if self.sticks:
+            return size_of(self.each("K") * self.each("J"))
+        return self.S if self.S.value is None else Size(0.0, 0.0, None)  # what S may be at most is of OP
 
     def _only_product(self, key: str) -> str:
         product = self.each("K") * self.each("J")
