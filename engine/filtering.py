@@ -144,7 +144,7 @@ def extended(  # type: ignore[no-untyped-def]
     for i in range(n):
         write(spread[i], D[i])
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
-    kinds, known = np.zeros((KINDS, I[N_BLOCKS] + len(modes) + 1), dtype=np.int64), np.full(KINDS, -1)
+    kinds, known = np.zeros((KINDS, I[N_BLOCKS] + 2 * len(modes) + 1), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))

@@ -153,23 +153,19 @@ def passing_on(A, H):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy", inner=True)
 def same_kind(base, behind, floats, after, modes, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
-    """Return the slot of stops like this one, by what sampled and switched on the way; -1 for one that ends in another
-    mode, or for none left.
+    """Return the slot of stops like this one, by what sampled and switched on the way; -1 for none left.
 
     ``floats`` from which the stretch left, ``after`` it; ``modes`` where they hold modes and counts.
     """
     if k == 0:
         return -1
-    for i in range(len(modes)):
-        if after[modes[i]] != floats[modes[i]]:
-            return -1
-    n_blocks = kinds.shape[1] - len(modes) - 1
+    n_blocks = kinds.shape[1] - 2 * len(modes) - 1
     this = np.empty(kinds.shape[1], dtype=np.int64)
     for b in range(n_blocks):
         this[b] = behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
     for i in range(len(modes)):
-        this[n_blocks + i] = int(floats[modes[i]])
-    this[n_blocks + len(modes)] = behind[EVENTS] - base[EVENTS]
+        this[n_blocks + 2 * i], this[n_blocks + 2 * i + 1] = int(floats[modes[i]]), int(after[modes[i]])
+    this[n_blocks + 2 * len(modes)] = behind[EVENTS] - base[EVENTS]
     for slot in range(len(known)):
         if known[slot] < 0:
             write(this, kinds[slot])

@@ -18,10 +18,11 @@ TURN = 6.0  # mean of b x^2 is c / 6, with the same c
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
+REORDERED = {"reassoc", "contract"}  # sums may be taken in the order that takes the least time
 STALE = 0.1  # of the rounding's variance: a value that is surer, and is as foretold, says nothing
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=REORDERED)
 def compressed(D, columns, size, L):  # type: ignore[no-untyped-def]
     """Write a factor of D D' with as few columns as it takes to ``L``; return how many (Cholesky with pivots)."""
     n = len(size)
@@ -47,40 +48,45 @@ def compressed(D, columns, size, L):  # type: ignore[no-untyped-def]
         for i in range(n):
             s = P[i, p]
             for j in range(found):
-                s -= L[i, j] * L[p, j] / (size[i] * size[p])
-            L[i, found] = s / root * size[i]
-        for i in range(n):
-            rest[i] -= (L[i, found] / size[i]) ** 2
+                s -= L[i, j] * L[p, j]
+            L[i, found] = s / root
+            rest[i] -= L[i, found] ** 2
         rest[p] = -1.0
         found += 1
+    for i in range(n):
+        for j in range(found):
+            L[i, j] *= size[i]
     return found
+
+
+@njit(cache=True, error_model="numpy", inner=True)
+def times(A, D, columns, E):  # type: ignore[no-untyped-def]
+    """Write the product of slopes and the first ``columns`` of a factor to ``E``."""
+    for i in range(len(A)):
+        first = True
+        for k in range(A.shape[1]):
+            by = A[i, k]
+            if by != 0.0:  # a dead time is a chain of states, each of which has one slope
+                for j in range(columns):
+                    E[i, j] = by * D[k, j] if first else E[i, j] + by * D[k, j]
+                first = False
+        for j in range(columns if first else 0):
+            E[i, j] = 0.0
 
 
 @njit(cache=True, error_model="numpy", inner=True)
 def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
     """Write the spread behind a stop, of the state to ``E`` and of signals to ``Y``; return how many columns it has."""
-    n, m, q = len(A), len(H), len(sd)
-    for i in range(n):
-        for j in range(columns):
-            E[i, j] = 0.0
-        for k in range(n):
-            if A[i, k] != 0.0:  # a dead time is a chain of states, each of which has one slope
-                for j in range(columns):
-                    E[i, j] += A[i, k] * D[k, j]
-    for i in range(m):
-        for j in range(columns):
-            Y[i, j] = 0.0
-        for k in range(n):
-            if H[i, k] != 0.0:
-                for j in range(columns):
-                    Y[i, j] += H[i, k] * D[k, j]
+    q = len(sd)
+    times(A, D, columns, E)
+    times(H, D, columns, Y)
     width = columns
     for j in range(q + 1):  # the last is what bends
         by = sd[j] if j < q else 1.0
         if by > 0.0 and (j < q or bent(B, G)):
-            for i in range(n):
+            for i in range(len(A)):
                 E[i, width] = B[i, j] * by
-            for i in range(m):
+            for i in range(len(H)):
                 Y[i, width] = G[i, j] * by
             width += 1
     return width
@@ -128,7 +134,7 @@ def first_of(pool, count, room):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, error_model="numpy", inner=True)
+@njit(cache=True, error_model="numpy", inner=True, fastmath=REORDERED)
 def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # type: ignore[no-untyped-def]
     """Let signal ``i`` of a row set the state right, and the signals behind it; return whether it says anything.
 
@@ -155,7 +161,7 @@ def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # t
     return True
 
 
-@njit(cache=True, error_model="numpy", inner=True)
+@njit(cache=True, error_model="numpy", inner=True, fastmath=REORDERED)
 def set_right(E, own, width, s, off, less, z, gains):  # type: ignore[no-untyped-def]
     """Move ``z`` of the factor ``E`` by what an innovation ``off`` of variance ``s`` says, and narrow its spread."""
     for p in range(len(E)):
@@ -239,7 +245,7 @@ def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y,
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=REORDERED)
 def foretells(A, aside, now, then, E, width, share, least, size):  # type: ignore[no-untyped-def]
     """Return whether slopes of another run, so far ``aside``, miss what is ``now`` by a ``share`` of its spread only.
 

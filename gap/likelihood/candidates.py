@@ -130,11 +130,16 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     """Return the likeliest limit, each with a filter of its own: where it is met other gains hold; None if none is."""
     at = {key: null.best.values[key] for key in one.frame.free}
     still = tried(null.hypothesis, null.best.values, null.best)
-    met = [values for size in sizes(null, one) if _is_met(null, still, one, values := {**at, **size})]
-    each = [x for values in met if (x := tried(one, values, None, FIRST_RUNS)) is not None]
-    likely = sorted(each, key=lambda x: x.nll)
+    near = [
+        (values, tried(one, values, null.best, FIRST_RUNS)) for size in sizes(null, one) for values in [{**at, **size}]
+    ]
+    met = sorted((trial for trial in near if _is_met(still, trial[1])), key=lambda trial: _nll(trial[1]))
     # inputs have switched where it suits a loop without a limit: what a controller makes of them is felt most
     several = SWITCHED if one.frame.model[one.place].role is Role.CONTROLLER else 1
+    likely: list[Innovations] = []
+    for values, _ in met:  # the best comes early, and others are given up as soon as they are far behind
+        ahead = tried(one, values, None, FIRST_RUNS, likely[0] if likely and several == 1 else None)
+        likely = sorted([*likely, *([ahead] if ahead is not None else [])], key=_nll)
     best = _likeliest(with_switches(x) for x in likely[:several])
     if best is None:
         return None
@@ -142,9 +147,12 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     return Candidate(one, best.values, null.nll - best.nll, None if scored is None else scored[1])
 
 
-def _is_met(null: Fit, still: Innovations | None, one: Hypothesis, values: Mapping[str, float]) -> bool:
+def _nll(found: Innovations | None) -> float:
+    return math.inf if found is None else found.nll
+
+
+def _is_met(still: Innovations | None, near: Innovations | None) -> bool:
     """Return whether a limit changes what the mean of the model leaves, ``still``; one that is never met does not."""
-    near = tried(one, values, null.best, FIRST_RUNS)
     return still is None or near is None or not np.allclose(near.e, still.e, rtol=0.0, atol=UNMOVED, equal_nan=True)
 
 
