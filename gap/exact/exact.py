@@ -4,7 +4,7 @@ Whether it is linear is asked of each block over the range that the log visits, 
 in time, a planned load, is an input: its mean over each scan.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -29,10 +29,21 @@ Floats = NDArray[np.float64]
 UNSURE, LEAST = 0.02, 1e-3  # of its size: what is not known of a state at the start; size of one that starts at less
 
 
+def start_spread(start: Floats, names: Sequence[str], unsure: Mapping[str, float]) -> Floats:
+    """Return by how much each state may start elsewhere: what is said of those with ``names``, or a share of its size.
+
+    >>> start_spread(np.array([5.0, 0.0]), ["tank.level"], {"tank.level": 2.0})
+    array([2.e+00, 2.e-05])
+    """
+    said = np.array([unsure.get(name, 0.0) for name in names])
+    found = np.maximum(UNSURE * np.maximum(np.abs(start), LEAST), np.pad(said, (0, len(start) - len(said))))
+    return np.asarray(found)
+
+
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """A silent ``diagram``, its ``noise``, the logged ``signals`` of a ``record``, its ``scans``; ``known`` the last
-    steps from row to row.
+    """A silent ``diagram``, its ``noise``, the logged ``signals`` of a ``record``, its ``scans``; ``unsure`` by how
+    much its states may start elsewhere; ``known`` the last steps from row to row.
     """
 
     diagram: Diagram
@@ -40,6 +51,7 @@ class Exact:
     signals: tuple[str, ...]
     record: Record
     scans: Scans
+    unsure: Mapping[str, float] = field(default_factory=dict)
     known: dict[tuple[object, ...], Rows] = field(default_factory=dict)
     waved: dict[tuple[object, ...], Floats] = field(default_factory=dict)
 
@@ -116,7 +128,7 @@ class Exact:
         key = (*(v for name, v in params.items() if not name.startswith(own)), *sizes.values())
         if key not in self.known:
             one = self.scanned(params, sizes)
-            variance = (UNSURE * np.maximum(np.abs(one.start), LEAST)) ** 2
+            variance = start_spread(one.start, one.states, self.unsure) ** 2
             variance[one.drawn] = [sizes[n.block][0] ** 2 for n in self.noise]
             self.known.clear()
             self.known[key] = by_rows(one, self.scans.every, np.diag(variance))

@@ -35,7 +35,8 @@ class Scanned:
 
     ``F`` next z; ``v`` what controllers give, (controllers, columns), each follows those before it only; ``H`` logged
     signals; ``Q``; ``memory`` of the controllers, ``of`` which each is; ``last`` where z has the last OPs; ``period``
-    and ``offset`` of controllers in scans; ``start`` z at first; ``drawn`` which of z are loads and noise.
+    and ``offset`` of controllers in scans; ``start`` z at first, ``states`` the names of its first; ``drawn`` which of
+    z are loads and noise.
     """
 
     kinds: tuple[str, ...]
@@ -49,6 +50,7 @@ class Scanned:
     period: Whole
     offset: Whole
     start: Floats
+    states: tuple[str, ...]
     drawn: Whole
     told: Floats | None = None
 
@@ -236,7 +238,7 @@ def scanned(
     start[last] = at[[place[s] for s in ops]]
     H = np.stack([s_now[place[s]] for s in logged])
     return Scanned(kinds, F, given[[place[s] for s in ops]], H, Q, np.array(memory, dtype=int),
-                   np.array(of, dtype=int), last, periods, offsets, start,
+                   np.array(of, dtype=int), last, periods, offsets, start, tuple(f"{b}.{s}" for b, s in own),
                    len(own) + np.arange(len(noise)), given[place[cut]] if cut else None)  # fmt: skip
 
 

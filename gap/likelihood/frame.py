@@ -35,7 +35,8 @@ class Frame(Held):
     """``given`` a model that starts as the record starts, its logged sources open; ``record`` of its signals;
     ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
     ``seen`` the share of the rows, from the first, that a fit sees; ``draws`` of a noise from row to row, at most;
-    ``doubts`` what the log does not tell of its inputs; ``most_steps`` of the engine in one filter.
+    ``doubts`` what the log does not tell of its inputs; ``most_steps`` of the engine in one filter; ``unsure`` by how
+    much states of the model may start elsewhere.
     """
 
     apart: bool = False
@@ -43,6 +44,7 @@ class Frame(Held):
     draws: int = DRAWS
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
     most_steps: int = BUDGET
+    unsure: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def replays(self) -> bool:

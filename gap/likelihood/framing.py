@@ -17,12 +17,12 @@ from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
-from stickslip.gap.records.start import start_values
+from stickslip.gap.records.start import start_spread, start_values
 
 MORE = (
     50  # times the steps of the model alone, from which on a filter is given up: an effect makes its steps ever smaller
 )
-MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram that bends; larger ones have an observer of their own
+MOST_BLOCKS, MOST_STATES = 14, 100  # of a diagram that bends; larger ones have an observer of their own
 
 
 def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None:
@@ -36,7 +36,10 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
         return None
     quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
-    frames = (Frame(Given(model.starting_at(start)), record) for start in (start_values(quiet, record), {}))
+    frames = (
+        Frame(Given(model.starting_at(start)), record, unsure=start_spread(quiet.starting_at(start), record))
+        for start in (start_values(quiet, record), {})
+    )
     try:
         return next((found for frame in frames if (found := _followed(frame, asked)) is not None), None)
     except NoFilter:

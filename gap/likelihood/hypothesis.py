@@ -12,7 +12,7 @@ from stickslip.diagram.changes import blocks_with_params
 from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing, steps_taken
 from stickslip.gap.exact.affine import NotAffine
-from stickslip.gap.exact.exact import LEAST, UNSURE
+from stickslip.gap.exact.exact import LEAST, start_spread
 from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
@@ -204,8 +204,8 @@ class Hypothesis(Statement):
 
     def _start(self, z: Floats) -> tuple[Floats, Floats]:
         """Return the size of each state, and a factor of what is not known of it at the start, (states, columns)."""
-        size = np.maximum(np.abs(z), LEAST)
-        return size, np.delete(np.diag(UNSURE * size), self.where, axis=1)
+        spread = np.diag(start_spread(z, self.names, self.frame.unsure))
+        return np.maximum(np.abs(z), LEAST), np.delete(spread, self.where, axis=1)
 
     def adds_to(self, other: "Hypothesis") -> bool:
         """Return whether it has a state that another has not, which the gains of the other would not set right."""

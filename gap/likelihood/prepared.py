@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.block import Block
 from stickslip.blocks.sources import Constant
+from stickslip.blocks.variable_delay import VariableDelay
 from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
@@ -19,7 +20,7 @@ from stickslip.engine.run import Settings, prepare
 from stickslip.engine.snapshot import Snapshot
 from stickslip.engine.table import Component
 from stickslip.gap.insertion.scales import time_scale
-from stickslip.gap.likelihood.late import Late
+from stickslip.gap.likelihood.late import Late, LateByASignal
 from stickslip.gap.records.model import Nuisance, nuisances, silenced, smooth_memories
 from stickslip.gap.records.record import Record
 
@@ -27,6 +28,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
 TAPS = 25  # values of a dead time, at most: each is a state of the filter
+VARYING = 25  # values of one that varies: the largest that it may be is often twice the usual one
 FINE = 0.01  # of the time scale of a loop: so far apart these values may be, or a scan
 
 
@@ -110,6 +112,8 @@ def prepared(
         noise.append((one, holder))
     late: dict[str, str] = {}
     for block in list(quiet.blocks):
+        if isinstance(block, VariableDelay):
+            quiet = quiet.replace(block.name, LateByASignal.of(block, scan, VARYING))
         key = f"{block.name}.{block.dead_time_param}"
         theta = block.dead_time if block.dead_time_param else 0.0
         followed = max(TAPS * max(scan, FINE * time_scale(model, block.name)), 2.0 * theta) if key in longest else theta

@@ -184,9 +184,10 @@ def _apart_from_switches(start: Innovations) -> Innovations:
     start where that is likelier.
     """
     one = start.hypothesis
-    if one.frame.replays or one.bends:  # a limit is met behind a switch
-        return start
-    there = tried(one.of(replace(one.frame, apart=True)), start.values)
+    apart = replace(one.frame, apart=True)
+    if one.frame.replays or one.bends or bool((apart.counted == one.frame.counted).all()):
+        return start  # a limit is met behind a switch, and where nothing switches there is nothing to leave out
+    there = tried(one.of(apart), start.values)
     found = None if there is None else tried(one, refined(there, free_names(one), FIRST).best.values)
     return found if found is not None and found.nll < start.nll else start
 

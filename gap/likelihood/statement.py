@@ -140,13 +140,13 @@ class Statement:
         if f.scans is None or (self.effect is not None and (self.effect.of_log or self.hides)):
             return None
         changed = self.changed
-        return Exact(silenced(changed), nuisances(changed), f.signals, f.record, f.scans)
+        return Exact(silenced(changed), nuisances(changed), f.signals, f.record, f.scans, f.unsure)
 
     @cached_property
     def bare(self) -> Exact | None:
         """The Kalman filter of the model without the effect, None where rows are not in step with its scans."""
         f = self.frame
-        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans)
+        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans, f.unsure)
 
     @cached_property
     def cheap(self) -> bool:

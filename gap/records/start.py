@@ -26,28 +26,16 @@ SHARES = (2.0, 1.0, 0.5, 0.2, 0.05)  # of a step
 
 def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
     """Return the start values of a silent model that suit the first rows of a record, by name."""
-    log = record.log.samples(0, min(ROWS, len(record.log)))
-    head = Record(log, record.played, record.pinned, fresh=record.fresh)
-    spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
-    names = {
-        f"{block.name}.{name}": float(value)
-        for block in quiet.blocks
-        for name, value in [
-            *zip(block.state_names, block.x0, strict=True),
-            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n in smooth_memories(block)),
-        ]
-    }
+    head, spread = _head(record)
+    names = _names(quiet)
     if not names:
         return {}
     values, cost = dict(names), np.inf
     settled = _settled(quiet, record)
     others = [{**names, **settled}] if settled else []
     for _ in range(ROUNDS):
-        found = _tried(quiet, head, [values, *({**values, key: v + _step(v)} for key, v in values.items())]) / spread
-        seen = np.isfinite(found).all(axis=0)
-        residual = found[0][seen]
+        residual, J = _slopes(quiet, head, values, spread)
         cost = float(residual @ residual)
-        J = np.stack([(found[k + 1][seen] - residual) / _step(v) for k, v in enumerate(values.values())], axis=1)
         felt = np.flatnonzero(np.linalg.norm(J, axis=0) > FELT)
         if len(felt) == 0:
             break
@@ -67,6 +55,49 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         if costs[best] > 0.999 * cost:
             break
     return values
+
+
+def start_spread(quiet: Diagram, record: Record) -> dict[str, float]:
+    """Return by how much each state of a silent model may start elsewhere, by name, where the first rows feel it.
+
+    Loads that nobody measures were there before the record.  So a state may be off by what moves some signal by as
+    much as that signal moves in the record.
+    """
+    head, spread = _head(record)
+    names = _names(quiet)
+    if not names:
+        return {}
+    _, J = _slopes(quiet, head, names, spread)
+    felt = np.max(np.abs(J), axis=0, initial=0.0)
+    return {name: float(1.0 / f) for name, f in zip(names, felt, strict=True) if f > FELT}
+
+
+def _head(record: Record) -> tuple[Record, Floats]:
+    """Return the first rows of a record, and the spread of each pinned signal over all."""
+    log = record.log.samples(0, min(ROWS, len(record.log)))
+    spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
+    return Record(log, record.played, record.pinned, fresh=record.fresh), spread
+
+
+def _names(quiet: Diagram) -> dict[str, float]:
+    """Return the start values of states, and of memories that are smooth, by name."""
+    return {
+        f"{block.name}.{name}": float(value)
+        for block in quiet.blocks
+        for name, value in [
+            *zip(block.state_names, block.x0, strict=True),
+            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n in smooth_memories(block)),
+        ]
+    }
+
+
+def _slopes(quiet: Diagram, head: Record, values: Mapping[str, float], spread: Floats) -> tuple[Floats, Floats]:
+    """Return the offsets [spreads] from start values, and their slopes in each of these."""
+    found = _tried(quiet, head, [values, *({**values, key: v + _step(v)} for key, v in values.items())]) / spread
+    seen = np.isfinite(found).all(axis=0)
+    residual = found[0][seen]
+    J = np.stack([(found[k + 1][seen] - residual) / _step(v) for k, v in enumerate(values.values())], axis=1)
+    return residual, J
 
 
 def _settled(quiet: Diagram, record: Record) -> dict[str, float]:
