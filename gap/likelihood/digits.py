@@ -98,7 +98,7 @@ def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
     usual = NORMAL * float(np.nanmin(np.nanmedian(np.abs(null.best.e), axis=0)))  # what shows in few rows is no noise
     less = {key: usual * size for key, size in fitted.items() if key.endswith(".sd")}
     signal = straightened(f, seed, [fitted, {**fitted, **less}] if fitted else [])
-    size = deviation(f, f.stated, effect, place, signal, seed) if signal else None
+    size = deviation(f, f.stated, Compression(signal), place, signal, seed) if signal else None
     return _as(null, Hypothesis(f, effect, place), {"deviation": size}) if size is not None else None
 
 

@@ -13,8 +13,8 @@ from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.framing import when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.judge import enough, judged
-from stickslip.gap.likelihood.left import GAINED, allowed, gained_by_chance
+from stickslip.gap.likelihood.judge import enough, gained_by_chance, judged
+from stickslip.gap.likelihood.left import GAINED, allowed
 from stickslip.gap.likelihood.logged_stem import LoggedStem
 from stickslip.gap.likelihood.nesting import nested, one_of_nested
 from stickslip.gap.likelihood.relevance import least, moved
@@ -94,14 +94,18 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     within = math.inf if alone.unusual else null.nll + LAGGING
     fits = fitted(null, chosen, far, within, progress)
     fits = one_of_nested(fits, null) if frame.replays else fits
-    gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > _least_gain(fits[0], null, found, seed))
+    steady = frame.replays or not null.best.kinks.any()
+    gains = bool(fits) and (
+        (alone.unusual and steady) or null.nll - price(fits[0]) > _least_gain(fits[0], null, found, seed)
+    )
+    gap = alone.unusual or gains
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), looked=found)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed, null)  # far from the log no direction is right
     rival = unmeasured_load(null) if isinstance(frame, Replays) else None
-    good = price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
+    good = gains and price(fits[0]) < null.nll and enough(fits[0], best, alone, null)
     if rival is not None and best.unusual:  # what leaves something has to be likelier than a load of any spectrum
         good = good and null.nll - price(fits[0]) > rival.gained + GAINED
     if good:
@@ -125,10 +129,10 @@ def _taken(null: Fit) -> float:
 
 
 def _least_gain(fit: Fit, null: Fit, found: Sequence[Candidate], seed: int) -> float:
-    """Return how many nats make an effect a gap where the model alone leaves nothing unusual."""
+    """Return how many nats make an effect a gap where the model alone leaves nothing unusual, or loses its way."""
     frame = null.hypothesis.frame
     if not isinstance(frame, Replays):
-        return needed(found)
+        return needed(found) + (gained_by_chance(fit, null, seed) if null.best.kinks.any() else 0.0)
     # another integrator, and rows between scans, cost as much
     return allowed(frame) + gained_by_chance(fit, null, seed)
 

@@ -38,6 +38,7 @@ Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
 BATCH = 6  # runs after which a figure is looked at
 ORDINARY, BEYOND_DOUBT = 0.25, 3.0  # chance of a figure from which on, and times the limit, no further run is asked
+CHANCES = 6  # runs without a gap, which say what an effect gains there
 GUESSES = 4  # at what the log does not tell of inputs, among these runs
 JUDGED_STEMS = 6  # of a bank there: the record and the runs are asked with as few
 FARTHEST = 700.0  # of a deviate: the exponential of more overflows
@@ -128,6 +129,22 @@ def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:
     guesses = played(f.record, f.doubts, *f.stops, range(seed, seed + GUESSES))
     each = [without_gap(model, f.record, runs // GUESSES, seed + k * runs, own) for k, own in enumerate(guesses)]
     return [log for logs in zip(*each, strict=False) for log in logs]
+
+
+def gained_by_chance(fit: Fit, null: Fit, seed: int = 0) -> float:
+    """Return what an effect gains, with its sizes, on runs of the model without a gap at most [nats].
+
+    A filter that loses its way near a kink, as a selector has one, gains and loses hundreds there by chance.
+    """
+    best = 0.0
+    for log in _runs(null, CHANCES, seed + 1):
+        alone, ahead = (
+            _left(one, one.hypothesis.of(replace(f, record=replace(f.record, log=log))))
+            for one in (null, fit) for f in [one.hypothesis.frame]
+        )  # fmt: skip
+        if alone is not None and ahead is not None:
+            best = max(best, alone.nll - ahead.nll)
+    return best
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:

@@ -28,7 +28,6 @@ LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as mu
 LARGER, WHITE = 1.02, 5.0  # factor of the stated noise that matters; largest figure of white noise
 SMALLEST = 1e-9  # [nats]
 STANDING = 0.003  # share of the rows that stand at a limit, at least
-CHANCES = 6  # runs without a gap, which say what an effect gains there
 OWN_RUNS = 4  # runs of the model with the effect
 
 
@@ -135,17 +134,6 @@ def level(found: Innovations) -> float:
 def allowed(frame: Replays) -> float:
     """Return the gain in log likelihood from which on an effect is worth reporting [nats]."""
     return GAINED + (0.0 if frame.floor.coloured else INEXACT * (len(frame.Y) - frame.skipped))
-
-
-def gained_by_chance(fit: Fit, null: Fit, seed: int = 0) -> float:
-    """Return what an effect gains, with its sizes, on runs of the model without a gap at most [nats]."""
-    f, best = null.hypothesis.frame, 0.0
-    for log in without_gap(f.model, f.record, CHANCES, seed + 1):
-        run = replace(f, record=replace(f.record, log=log))
-        apart = [tried(one.hypothesis.of(run), one.best.values) for one in (null, fit)]
-        if apart[0] is not None and apart[1] is not None:
-            best = max(best, apart[0].nll - apart[1].nll)
-    return best
 
 
 def _own_runs(fit: Fit, far: float, seed: int) -> float:

@@ -13,6 +13,7 @@ from stickslip.gap.likelihood.explained import Outcome, needed
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.held_out import held_out
 from stickslip.gap.likelihood.hidden import hidden
+from stickslip.gap.likelihood.judge import MOST_LEFT
 from stickslip.gap.likelihood.relevance import least
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.search import price
@@ -57,6 +58,11 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
             "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
             f"is {o.alone.size:.1f} standard deviations, {o.alone.name}; {o.alone.limit:.1f} are usual)."
         ]
+        if o.alone.limit > MOST_LEFT:
+            words.append(
+                f"Runs of the model itself leave up to {o.alone.limit:.0f} standard deviations: the filter loses its "
+                "way near a kink, as a selector has one, so only a large gap shows."
+            )
         relevant = least(o.null.hypothesis.frame)
         if o.fits and o.share < relevant:
             near = o.fits[0]
@@ -121,7 +127,11 @@ def _how_well(o: Outcome, best: Fit) -> str:
     """Return in words how well the named effects fit the log."""
     assert o.best is not None
     them = "both" if o.firsts else "it"
-    if o.best.size <= o.best.limit:
+    if o.best.limit > MOST_LEFT:
+        fits = (
+            f"Runs of the model with {them} leave up to {o.best.limit:.0f} standard deviations: the fit is not tested"
+        )
+    elif o.best.size <= o.best.limit:
         fits = f"With {them} the model fits the log as well as it fits its own runs"
     else:
         fits = (

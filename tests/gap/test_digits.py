@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Square, Sum
 from stickslip.cases.models import ideal_flow
-from stickslip.diagram import ensemble
+from stickslip.diagram import ensemble, simulate, wire
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.fits.scans import read_off
 from stickslip.gap.insertion.straightness import lined, sloping
 from stickslip.gap.records.record import spacing
 from stickslip.logs import Log
+from stickslip.logs.dirt import swinging_door
 
 from benchmarks.gap.generator import record
 
@@ -53,6 +55,33 @@ def test_a_coarse_log_that_was_compressed_is_told():
     (cause,) = diagnose(ideal_flow(), compressed, catalogue=one, limits=False).causes
     assert cause.effect == "compression"
     assert not diagnose(ideal_flow(), plain, catalogue=one, limits=False).gap
+
+
+def heater():
+    """Return a loop whose measurement has a tag of its own."""
+    return wire(
+        [
+            SampledPI(2.0, 60.0, dt=4.0, low=0.0, high=100.0, start_op=50.0, inputs=["SP", "TI"]),
+            IdealValve(spans={"OP": (0.0, 100.0), "MV": (0.0, 100.0)}),
+            Noise("load", sd=3.0, dt=4.0, correlation_time=200.0, name="fuel"),
+            Sum("heat", {"MV": 1.0, "load": 1.0}),
+            FirstOrder(0.4, 60.0, start=20.0, inputs="heat", outputs="T"),
+            SampledSensor(4.0, sd=0.1, start=20.0, inputs="T", outputs="TI"),
+        ],
+        inputs=["SP"],
+    )
+
+
+def test_a_compression_has_its_size_whatever_the_tag_is_called():
+    """The size was the whole range of a tag that is not called PV."""
+    run = simulate(wire([Square("SP", 4.0, 2000.0, mean=20.0), *heater().blocks]), 12000.0, every=8.0)
+    assert run.ok
+    log = Log(run.log.t, {"SP": run.log["SP"], "OP": run.log["OP"].round(2), "TI": run.log["TI"].round(2)})
+    (cause,) = diagnose(
+        heater(), swinging_door(log, 0.5, ["TI"]), catalogue=[effect("compression")], limits=False
+    ).causes
+    assert cause.effect == "compression"
+    assert cause.parameters["deviation"].value == pytest.approx(0.5, rel=0.3)
 
 
 @pytest.mark.parametrize(("outside", "severity"), [
