@@ -17,8 +17,6 @@ package is given as ``diagnose(loop, [*METHODS, mine])``; see ``Method``. ``comp
 methods side by side.
 """
 
-from __future__ import annotations
-
 from types import ModuleType
 
 from stickslip.detect.card import Card

@@ -2,19 +2,12 @@
 ours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from stickslip.detect.card import Card
 from stickslip.detect.method import Method
 from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, wilson
 from stickslip.detect.rates import COMBINED, Rate, rates
-
-__all__ = [
-    "CARD_COLUMNS", "OUTLINE_COLUMNS", "PUBLISHED_COLUMNS", "RATE_COLUMNS", "card_rows", "outline_rows",
-    "published_rows", "rate_rows",
-]  # fmt: skip
 
 CARD_COLUMNS = (
     "method", "title", "source", "signals", "process", "assumes", "finds", "streams", "cost", "pros", "cons",

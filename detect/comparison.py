@@ -1,7 +1,5 @@
 """All methods side by side: what each says of every loop, with its number, its reason and its time."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os
@@ -28,8 +26,6 @@ from stickslip.logs.tags import Process
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["COLUMNS", "SCHEMA", "Comparison", "Judged", "compare", "csv_text", "harmless"]
-
 SCHEMA = "stickslip.table/1"
 COLUMNS = ("loop", "method", "on trial", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
 FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")  # the last four are the wide forms of the first
@@ -45,7 +41,7 @@ class HasLoops(Protocol):
         ...
 
 
-Source: TypeAlias = "LoopRecord | Prepared | HasLoops | str | os.PathLike[str]"
+Source: TypeAlias = LoopRecord | Prepared | HasLoops | str | os.PathLike[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +52,8 @@ class Judged:
     combined : as in ``Verdict``
         The verdict of ``diagnose`` on the loop, whichever methods stand beside it.
     verdicts : tuple of Verdict, in the order of the methods
-    milliseconds : tuple of float
-        Wall time of each method on the prepared record [ms].
-    preparation : float
-        Wall time of what the methods share: facts, oscillation, even grid, waves, half waves [ms].
+    milliseconds : wall time of each method on the prepared record [ms]
+    preparation : wall time of what the methods share: facts, oscillation, even grid, waves, half waves [ms]
     samples : int
     """
 
@@ -139,7 +133,7 @@ class Comparison(Shown):
         """Write ``csv()`` to a file, in UTF-8."""
         Path(path).write_text(self.csv(), encoding="utf-8")
 
-    def plot(self) -> Figure:
+    def plot(self) -> "Figure":
         """The verdict of every method on every loop, with the time that the method took."""
         from stickslip.detect.figures.comparison import plot_comparison
 

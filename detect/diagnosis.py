@@ -1,7 +1,5 @@
 """One loop in, one answer out: the calibrated verdict in plain words, with the answer of every method."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -25,8 +23,6 @@ from stickslip.logs.shown import Shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
-
 SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
 
@@ -37,36 +33,26 @@ class Diagnosis(Shown):
 
     loop : str
     verdict : as in ``Verdict``
-    probability : float or None
-        Probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the record
-        was refused, the stem was logged, or PV itself shows that the valve slips.
-    causes : mapping of name to float
-        Probability of each cause [-], largest first; "stiction" is one of them.
+    probability : probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the
+        record was refused, the stem was logged, or PV itself shows that the valve slips.
+    causes : probability of each cause [-], largest first; "stiction" is one of them
     amount : mapping of "S" and "J" to Amount, or None
         Sizes with their 90 % intervals, where the verdict is stiction.
     detection_limit : (float, unit) or None
         S above which a stick would have shown in this record.
-    reason : str
-        What was found, in words and numbers.
-    action : str
-        What to do, who does it, and the test that confirms it.
-    assumptions : tuple of str
-        What was taken for granted, one sentence each.
+    reason : what was found, in words and numbers
+    action : what to do, who does it, and the test that confirms it
+    assumptions : what was taken for granted, one sentence each
     methods : tuple of Verdict
-    conditions : tuple of Fact
-        Measured properties of the record.
+    conditions : measured properties of the record
     record : LoopRecord
-    performance : Harris or None
-        How near the loop is to minimum variance; None where e does not move.
-    period : float or None
-        Of the oscillation [s]; None where the loop does not oscillate.
-    amplitude : float or None
-        Half of the width that holds 90 % of PV [unit of PV].
-    because : tuple of str
-        Up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was seen.
-    picture : str
-        What decided, and so is drawn: "learnt" (the pattern that the model knows), "dead_travel", "stem_play", "slips"
-        or "still_stem"; "" where nothing did.
+    performance : how near the loop is to minimum variance; None where e does not move
+    period : of the oscillation [s]; None where the loop does not oscillate
+    amplitude : half of the width that holds 90 % of PV [unit of PV]
+    because : up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was
+        seen
+    picture : what decided, and so is drawn: "learnt" (the pattern that the model knows), "dead_travel", "stem_play",
+        "slips" or "still_stem"; "" where nothing did
     """
 
     loop: str
@@ -120,7 +106,7 @@ class Diagnosis(Shown):
             "methods": [method.to_dict() for method in self.methods],
         }
 
-    def plot(self, words: bool = True) -> Figure:
+    def plot(self, words: bool = True) -> "Figure":
         """Trend of SP, PV and OP, the PV-OP curve, and what decided the verdict.
 
         ``words=False`` leaves verdict and reason to the text around the picture.

@@ -5,13 +5,9 @@ ourselves.  A share is set beside ours with its 90 % interval by Wilson; the set
 gap means anything.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal
-
-__all__ = ["PUBLISHED", "THESIS", "Share", "ThesisRow", "wilson"]
 
 Mark = Literal["printed", "second hand"]
 

@@ -10,8 +10,6 @@ Several records of one tag are one valve.  A tag is called by the majority of th
 A label is somebody's opinion of a loop, seldom an opened valve; with a dozen tags an interval is wide.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 from collections import defaultdict
@@ -23,8 +21,6 @@ from stickslip.detect.comparison import Comparison
 from stickslip.detect.published import PUBLISHED, wilson
 from stickslip.detect.rates import COMBINED
 from stickslip.logs import ReadError
-
-__all__ = ["SCORE_COLUMNS", "Label", "Score", "read_labels", "score_rows", "scores"]
 
 SCORE_COLUMNS = ("method", "sticky found", "others accused", "right", "90 % interval", "open tags")
 

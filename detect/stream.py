@@ -5,19 +5,14 @@ A twin is three functions: ``init(p, facts) -> state``, ``update(p, state, t, sa
 be replayed or branched, and a state can be pickled.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.logs import Log, LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Buffer", "LoopFacts", "Sample", "replay"]
-
-Values = npt.NDArray[np.float64]
 _CHUNK = 64  # appending copies at most so many rows
 
 
@@ -41,7 +36,7 @@ class LoopFacts:
     has_sp: bool = True
 
     @classmethod
-    def of(cls, record: LoopRecord) -> LoopFacts:
+    def of(cls, record: LoopRecord) -> "LoopFacts":
         """The facts of a record."""
         return cls(record.name, record.process, record.measurement, record.op_span, record.sp is not None)
 
@@ -69,7 +64,7 @@ class Buffer:
             return self.recent[-1][0]
         return float(self.chunks[-1][-1, 0]) if self.chunks else -math.inf
 
-    def append(self, t: float, sample: Sample) -> Buffer:
+    def append(self, t: float, sample: Sample) -> "Buffer":
         """The buffer with one more row; raises ValueError when t [s] does not advance."""
         if not t > self.last_time:
             raise ValueError(f"t = {t} s follows {self.last_time} s; time must increase, drop repeated samples")
@@ -80,7 +75,7 @@ class Buffer:
             return following
         return Buffer((*self.chunks, np.array(recent)), (), self.held + len(recent))
 
-    def last(self, n: int) -> Buffer:
+    def last(self, n: int) -> "Buffer":
         """The last n rows."""
         if not n:
             return Buffer()

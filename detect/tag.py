@@ -1,7 +1,5 @@
 """One valve from many records: one verdict, with what each record says and adds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -19,8 +17,6 @@ from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["SCHEMA", "Tag", "judge_tag"]
 
 SCHEMA = "stickslip.tag/1"
 
@@ -87,7 +83,7 @@ class Tag(Shown):
             ],
         }
 
-    def plot(self) -> Figure:
+    def plot(self) -> "Figure":
         """S and gain of every record, and the gain of every S over all of them."""
         from stickslip.detect.figures.tag import plot_tag
 

@@ -1,7 +1,5 @@
 """The verdict of a detector: yes, no, undecided, or not applicable, with its number and its reason."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -9,14 +7,16 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.words import WORDS, Word
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
+else:
+    FigureBase = Any  # matplotlib is loaded when something is drawn
 
-__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["Code", "Draw", "Evidence", "FigureBase", "Verdict", "VerdictError", "Word"]
 
 Code = Literal[
     "no_oscillation",
@@ -39,7 +39,6 @@ Code = Literal[
     "not_causal",
     "outside_wave",
 ]
-Values = npt.NDArray[np.float64]
 Evidence = Mapping[str, Values | float]
 Draw = Callable[["Verdict", "FigureBase"], None]
 
@@ -138,7 +137,7 @@ class Verdict(Shown):
         threshold: float | None = None,
         evidence: Evidence | None = None,
         draw: Draw | None = None,
-    ) -> Verdict:
+    ) -> "Verdict":
         """A refusal: the record breaks a precondition of the method, so there is no index."""
         return cls(method, "not_applicable", None, threshold, reason, code=code, evidence=evidence or {}, draw=draw)
 
@@ -166,7 +165,7 @@ class Verdict(Shown):
             "experimental": self.experimental,
         }
 
-    def plot(self) -> Figure:
+    def plot(self) -> "Figure":
         """The evidence as the method draws it, with the reason below."""
         from stickslip.detect.figures.verdict import plot_verdict
 

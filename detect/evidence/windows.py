@@ -6,8 +6,6 @@ oscillation.  Each window is judged on its own by the calibrated answer, a long 
 sizes are shown where stiction is called.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -20,8 +18,6 @@ from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.signals.days import CYCLES_MIN, SAMPLES_MIN, WINDOWS_MAX, edges_of_days, part_of
 from stickslip.detect.words import Word
 from stickslip.logs import LoopRecord
-
-__all__ = ["OverTime", "Window", "over_time"]
 
 PARTS = 6  # of a record of less than two days
 TESTED = 6  # windows: with fewer, no order is rare enough

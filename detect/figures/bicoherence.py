@@ -1,16 +1,11 @@
 """The picture of a bicoherence: the squared bicoherence, NLI among its linear twins, and the PV-OP curve."""
 
-from typing import TYPE_CHECKING
-
 from stickslip.detect.figures.verdict import draw_reason
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs.style import INK, SOFT, tidy
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
 
-
-def draw_bicoherence(v: Verdict, figure: "FigureBase") -> None:
+def draw_bicoherence(v: Verdict, figure: FigureBase) -> None:
     """Draw bic^2 over both frequencies, NLI among its twins, and the PV-OP curve where it was measured."""
     if not len(v.array("squared")):
         draw_reason(v.reason, figure)

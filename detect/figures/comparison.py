@@ -1,7 +1,5 @@
 """The picture of a comparison: methods against loops, and the time of each method."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,10 +10,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from stickslip.detect.comparison import Comparison
 
-__all__ = ["plot_comparison"]
 
-
-def plot_comparison(comparison: Comparison) -> Figure:
+def plot_comparison(comparison: "Comparison") -> "Figure":
     """A cell a loop and method, the combined verdict in the last row, and bars of the median time [ms]."""
     from stickslip.logs.picture import Picture
 

@@ -1,7 +1,5 @@
 """The picture of a diagnosis: trend, PV against OP, and what decided the verdict."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from typing import TYPE_CHECKING
@@ -18,12 +16,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
     from stickslip.detect.diagnosis import Diagnosis
 
-__all__ = ["plot_diagnosis"]
-
 POINTS = 4000  # of PV against OP: more is a blot
 
 
-def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
+def plot_diagnosis(answer: "Diagnosis", words: bool = True) -> "Figure":
     """Trend, PV-OP curve and what decided; ``words`` adds the reason."""
     from stickslip.logs.picture import Picture
 
@@ -59,7 +55,7 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     return figure
 
 
-def _in_words(answer: Diagnosis) -> str:
+def _in_words(answer: "Diagnosis") -> str:
     """The reason, and below it what decided, each on its own line."""
     numbered = [f"{number}. {why}" for number, why in enumerate(answer.because, 1)]
     moved = set_point_words(answer.record, answer.period or math.nan)

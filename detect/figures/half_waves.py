@@ -1,18 +1,9 @@
 """Pictures of the methods that fit shapes to half waves: the waves with two shapes, and the error of each fit."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from stickslip.detect.figures.verdict import draw_reason, legend
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs.style import BLUE, FIT, ORANGE, PALE, tidy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["draw_fits"]
 
 SINE, OTHER, WAVE = BLUE, ORANGE, PALE  # a fitted sine, the rival shape, the waves themselves
 

@@ -1,7 +1,5 @@
 """The trend of a loop over its whole record, and a few cycles of it with the stem and its sticks."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING
 
@@ -17,13 +15,11 @@ if TYPE_CHECKING:
     from stickslip.detect.evidence import StemTrend
     from stickslip.logs import LoopRecord
 
-__all__ = ["draw_trends", "named", "plot_cycles", "plot_trend", "shown_cycles"]
-
 CYCLES = 8.0  # in the picture of a few cycles
 SAMPLES = 600  # shown where nothing oscillates
 
 
-def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: StemTrend | None = None) -> None:
+def draw_trends(record: "LoopRecord", upper: "Axes", lower: "Axes", *, sticks: "StemTrend | None" = None) -> None:
     """Draw PV with SP above and OP below over the whole record, gaps and samples that do not count shaded.
 
     With ``sticks`` the stretches in which the stem stood while OP moved are marked below OP.
@@ -48,7 +44,7 @@ def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: StemTre
     upper.tick_params(labelbottom=False)
 
 
-def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
+def _mark_sticks(ax: "Axes", axis: TimeAxis, stem: "StemTrend") -> None:
     """A bar at the foot of the panel wherever the stem stood while OP moved."""
     if len(stem.sticks):
         ax.broken_barh(
@@ -57,7 +53,7 @@ def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
         )  # fmt: skip
 
 
-def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
+def plot_trend(record: "LoopRecord", stem: "StemTrend | None" = None) -> "Figure":
     """The whole record; a long one as the envelope of its lowest and highest values."""
     from stickslip.logs.picture import Picture
 
@@ -67,7 +63,7 @@ def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
     return figure
 
 
-def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> tuple[float, float]:
+def shown_cycles(record: "LoopRecord", period: float, stem: "StemTrend | None") -> tuple[float, float]:
     """From where to where a few cycles are shown [s]: the last ones, where the stem is known if it is."""
     t0, t1 = (float(record.t[0]), float(record.t[-1])) if stem is None else (float(stem.t[0]), float(stem.t[-1]))
     width = SAMPLES * (record.dt if stem is None else max(record.dt, float(stem.t[1] - stem.t[0])))
@@ -75,7 +71,7 @@ def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> t
     return max(t0, t1 - width), t1
 
 
-def plot_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> Figure:
+def plot_cycles(record: "LoopRecord", period: float, stem: "StemTrend | None") -> "Figure":
     """The last few cycles: PV with SP, and OP with the stem; dotted where it slips, a bar where it stands."""
     from dataclasses import replace
 
@@ -122,7 +118,7 @@ def _one_scale(mv: np.ndarray, op: np.ndarray) -> bool:
     return bool(high - low <= 4.0 * max(np.ptp(op), 1e-12))
 
 
-def named(record: LoopRecord, name: str, part: str) -> str:
+def named(record: "LoopRecord", name: str, part: str) -> str:
     """What stands at the axis of a signal: its part in the loop, and its unit where it is known."""
     unit = record.log.units.get(name)
     return f"{part} [{unit}]" if unit else part

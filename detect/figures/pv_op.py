@@ -1,19 +1,10 @@
 """Pictures of the methods that draw a form of PV against OP."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
 from stickslip.detect.figures.verdict import draw_reason, legend
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs.style import tidy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["draw_pv_op"]
 
 
 def draw_pv_op(v: Verdict, figure: FigureBase, form: str) -> None:

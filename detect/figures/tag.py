@@ -1,7 +1,5 @@
 """The picture of one valve over its records: S of each, what each adds, and the gain of every S over all."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,10 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from stickslip.detect.tag import Tag
 
-__all__ = ["plot_tag"]
 
-
-def plot_tag(tag: Tag) -> Figure:
+def plot_tag(tag: "Tag") -> "Figure":
     """Return the picture; without evidence it holds the reason only."""
     from stickslip.detect.figures.verdict import draw_reason
 

@@ -1,7 +1,5 @@
 """Pictures of a valve test: OP and the answer over time, the answer over OP, and the large steps on one another."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,13 +13,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from stickslip.detect.valve_test.analysis import ValveTest
 
-__all__ = ["plot_responses", "plot_valve_test"]
-
 POINTS = 4000  # of the answer over OP
 BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 
-def plot_valve_test(test: ValveTest) -> Figure:
+def plot_valve_test(test: "ValveTest") -> "Figure":
     """The trend, and the position of the valve over OP; steps without an answer are grey."""
     from stickslip.logs.picture import Picture
 
@@ -47,7 +43,7 @@ def plot_valve_test(test: ValveTest) -> Figure:
     return figure
 
 
-def _trend(test: ValveTest, upper: Axes, lower: Axes) -> None:
+def _trend(test: "ValveTest", upper: "Axes", lower: "Axes") -> None:
     """OP above, the answer below; grey lines at steps that were not answered, marks at those that were timed."""
     record = test.record
     op, answer = record.op_percent, record.pv if record.mv is None else record.mv
@@ -71,7 +67,7 @@ def _trend(test: ValveTest, upper: Axes, lower: Axes) -> None:
     axis.finish(lower, float(record.t[0]), float(record.t[-1]))
 
 
-def plot_responses(test: ValveTest) -> Figure | None:
+def plot_responses(test: "ValveTest") -> "Figure | None":
     """The answers to the timed steps on one another, each as a share of its final change; None without any."""
     from stickslip.logs.picture import Picture
 

@@ -1,28 +1,24 @@
 """Pictures of verdicts: the evidence as a sceptic would draw it."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS
+from stickslip.logs.arrays import Mask
 from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_verdict"]
-
 PV = COLOURS["PV"]
 CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 
-def plot_verdict(v: Verdict) -> Figure:
+def plot_verdict(v: Verdict) -> "Figure":
     """One figure: evidence of the method above, verdict and reason as its title."""
     from stickslip.logs.picture import Picture
 
@@ -34,7 +30,7 @@ def plot_verdict(v: Verdict) -> Figure:
     return figure
 
 
-def draw_evidence(v: Verdict, figure: FigureBase) -> None:
+def draw_evidence(v: Verdict, figure: "FigureBase") -> None:
     """The evidence of any method on a figure or subfigure; its reason when there is nothing to draw."""
     if v.draw is None or len(v.evidence) == 0:
         draw_reason(v.reason, figure)
@@ -42,14 +38,14 @@ def draw_evidence(v: Verdict, figure: FigureBase) -> None:
         v.draw(v, figure)
 
 
-def draw_reason(text: str, figure: FigureBase) -> None:
+def draw_reason(text: str, figure: "FigureBase") -> None:
     """A sentence instead of a picture."""
     axes = figure.subplots()
     axes.axis("off")
     axes.text(0.0, 0.9, textwrap.fill(text, 100), va="top", ha="left", transform=axes.transAxes)
 
 
-def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
+def draw_half_cycles(v: Verdict, figure: "FigureBase") -> None:
     """e with its half cycles cut at the peaks, and the ratio of each half cycle."""
     left, right = figure.subplots(1, 2, width_ratios=(3, 1))
     t, e = v.array("t"), v.array("e")
@@ -84,7 +80,7 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     _draw_ratios(v, right, used)
 
 
-def legend(axes: Axes) -> None:
+def legend(axes: "Axes") -> None:
     """Name the lines of a panel above it, where no data are."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8.5, borderpad=0.1,
@@ -92,7 +88,7 @@ def legend(axes: Axes) -> None:
     )  # fmt: skip
 
 
-def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
+def _draw_ratios(v: Verdict, axes: "Axes", used: Mask) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = v.array("area_before") / v.array("area_after")
     below = v.array("peak") > 0  # of e = SP - PV
@@ -123,7 +119,7 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     tidy(axes)
 
 
-def _at_line(axes: Axes, height: float, text: str) -> None:
+def _at_line(axes: "Axes", height: float, text: str) -> None:
     """Name a level at the right edge, above its line."""
     axes.annotate(
         text, (1.0, height), (-2.0, 2.0), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",

@@ -10,8 +10,6 @@ from typing import Any
 from stickslip.detect.signals.order_kernels import count_before, count_until
 from stickslip.logs.compiled import njit
 
-__all__ = ["FAULTS", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
-
 FAULTS = ("", "short", "two_peaks", "flat", "length", "low")
 MARGIN_SAMPLES = 4  # samples beyond a half cycle that help to place its peak
 

@@ -8,17 +8,11 @@ Works on uneven sampling throughout: areas are trapezoids of the polygon through
 crossings and the interpolated peak.
 """
 
-from __future__ import annotations
-
 from itertools import starmap
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["HalfCycle", "in_pieces", "measure"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Indices, Values
 
 FLAT_SHARE = 0.6  # a sine spends 29 % of its half period above 90 % of its peak, a triangle 10 %, a square 100 %
 TWO_PEAKS_SHARE = 0.2  # tops apart by more than this share of the half cycle are two peaks
@@ -30,16 +24,11 @@ class HalfCycle(NamedTuple):
     """One half cycle between two zero crossings.
 
     start, peak_time, end : float [s]
-    peak : float
-        Signed height [unit of the signal].
-    area_before, area_after : float
-        A1 and A2, both positive [unit s].
-    samples : int
-        Samples between the crossings.
-    sine_misfit, triangle_misfit : float
-        Squared distance to the best sine and the best triangle on the same base [unit^2 s].
-    fault : str
-        "" or why it cannot be used: "short", "flat", "two_peaks", "length", "low", "gap".
+    peak : signed height [unit of the signal]
+    area_before, area_after : A1 and A2, both positive [unit s]
+    samples : samples between the crossings
+    sine_misfit, triangle_misfit : squared distance to the best sine and the best triangle on the same base [unit^2 s]
+    fault : "" or why it cannot be used: "short", "flat", "two_peaks", "length", "low", "gap"
     """
 
     start: float
@@ -87,7 +76,7 @@ def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) 
 
 
 def in_pieces(
-    t: Values, x: Values, bounds: npt.NDArray[np.intp], periods: Values, smooth_max: float, noise_share: float,
+    t: Values, x: Values, bounds: Indices, periods: Values, smooth_max: float, noise_share: float,
     drift_share: float,
 ) -> tuple[list[HalfCycle], Values, bool]:  # fmt: skip
     """The half cycles of the pieces of x (n,) between ``bounds`` (m + 1,), made ready as the module of ``cycles`` says.

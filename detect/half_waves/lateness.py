@@ -5,20 +5,14 @@
 A1 and A2 are the areas before and after the peak of each half cycle. The half cycles are weighed anew for the interval.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.half_cycles import HalfCycle
 from stickslip.detect.signals.bootstrap import interval
-
-Values = npt.NDArray[np.float64]
-
-__all__ = ["Lateness", "Side", "closed_form", "lag_of", "lateness"]
+from stickslip.logs.arrays import Values
 
 
 class Side(NamedTuple):

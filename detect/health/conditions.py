@@ -4,8 +4,6 @@ A fact is measured first and judged second: ``Fact.present`` compares the value 
 quotes both, so that a refusal can say "OP sits at a limit in 23 % of the samples (10 % allowed)".
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.health.drawn import controlled_as_logged, drawn
@@ -17,13 +15,9 @@ from stickslip.detect.health.stale import held, stale
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.verdict import Code
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.modes import CASCADE
 
-__all__ = [
-    "Fact", "compressed", "constant", "drawn_op", "examine", "manual", "missing", "quantised", "saturated", "set_point",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
 UNSATURATED = "Log a stretch with OP away from its limits."
 SLAVE_SHARE = 0.5  # of the samples at which SP moves at all: a master does that, no operator
 

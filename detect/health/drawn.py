@@ -15,17 +15,11 @@ and again to the half that fits best; half of what is left there must be below 1
 part of e.  A controller without that part never shows it.  The limits are ours.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["controlled_as_logged", "drawn", "free_of_noise"]
-
-Values = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 STRAIGHT_SHARE = 1e-6  # of the swing
 LEFT_SHARE = 1e-3  # of the standard deviation of the integral part
 MOVES_MIN = 20  # moves of OP that a fit needs

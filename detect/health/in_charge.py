@@ -7,18 +7,12 @@
 The limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
 from stickslip.logs import LoopRecord
 
-__all__ = ["asleep", "copied", "untracked"]
-
-Values = npt.NDArray[np.float64]
 STAND_SAMPLES = 30  # samples, from which on a stand of OP is long
 END_SHARE = 0.005  # of the span of OP, within which it stands at a limit
 

@@ -8,18 +8,13 @@ PV does not respond where OP travels, the blocks of PV move by no more than nois
 transmitter repeats its last value, bit for bit, while OP moves on.  The limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["frozen", "unresponsive"]
-
-Values = npt.NDArray[np.float64]
 TRAVEL_PERCENT = 2.0  # of the span of OP, from which on it is a travel
 BLOCKS = 40
 ROUNDING = 1e-9  # of OP: a smaller step is that of a simulated controller whose integral has settled

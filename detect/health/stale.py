@@ -7,18 +7,13 @@ also stands while the other moves.  Held samples were not measured; ``without_st
 method takes them for a stem at rest, and short holds are bridged as any gap.  The limits are ours.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["held", "stale", "without_stale"]
-
-Mask = npt.NDArray[np.bool_]
 HELD_SHARE = 0.02  # of the samples, from which on holds are counted as stale
 TOGETHER_SHARE = 0.8  # of the holds of either signal that the other must share
 RUNS = 5  # holds that make a habit; a loop at rest stands once, for long
@@ -61,5 +56,5 @@ def without_stale(record: LoopRecord) -> LoopRecord:
     return replace(record, log=replace(record.log, quality=quality))
 
 
-def _repeats(x: npt.NDArray[np.float64]) -> Mask:
+def _repeats(x: Values) -> Mask:
     return np.asarray(x[1:] == x[:-1])

@@ -15,8 +15,6 @@
 The detection limit is the least S that the likelihood excludes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -38,8 +36,6 @@ from stickslip.detect.stem.recent import recent, samples_per_period
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
 from stickslip.logs.chances import chance
-
-__all__ = ["Amount", "Answer", "answer", "next_step"]
 
 FAR = 2.0  # distance from the loops learnt from, over that of 95 % of them, from which on nothing is concluded
 # Facts of the data behind which nothing can be judged, where they forbid it.

@@ -10,8 +10,6 @@ The model errs alike on records of one loop, so its odds are not multiplied; lik
 new noise.  So a weak trace that agrees over weeks is found, and one odd day is not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -26,8 +24,6 @@ from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Word
 from stickslip.logs.chances import chance
-
-__all__ = ["evidence_of_all", "pooled"]
 
 TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
 

@@ -5,13 +5,10 @@ of the two, and its interval comes from weighing the half waves anew.  As ``pool
 each half wave and ``judged`` the verdict on any number of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, folded, gather
 from stickslip.detect.pool import Pool
@@ -19,10 +16,7 @@ from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal
 from stickslip.detect.signals.bootstrap import interval
 from stickslip.detect.verdict import Draw, Verdict, Word
-
-__all__ = ["AgainstSine"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 @dataclass(frozen=True)
@@ -30,14 +24,10 @@ class AgainstSine:
     """One such method.
 
     card : Card
-    symbol : str
-        Of the index, in sentences.
-    threshold : float
-        Of the index [-].
-    half_waves_min : int
-        Fewest for a verdict [-].
-    signal : "OP" or "PV"
-        Whose half waves are read.
+    symbol : of the index, in sentences
+    threshold : of the index [-]
+    half_waves_min : fewest for a verdict [-]
+    signal : whose half waves are read
     errors : function of Samples
         Squared errors of the sine and of the other shape [unit^2] and the parameter of the latter, (H,) each.
     index : function of means (..., 2)

@@ -29,33 +29,22 @@ ratios, whose tail is heavy; noise is smoothed without phase (``half_waves.cycle
 cycles are resampled for a 90 % interval.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves import cycles
 from stickslip.detect.half_waves.cycles import Cycles, Refusal
 from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN, HalfCycle
-from stickslip.detect.half_waves.lateness import Lateness, closed_form, lag_of, lateness
+from stickslip.detect.half_waves.lateness import Lateness, lag_of, lateness
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
-from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = [
-    "CARD", "Params", "State", "closed_form", "detect", "draw", "init", "recall", "remember", "update", "verdict",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
 NAME = "area_ratio"
 
 CARD = Card(
@@ -89,17 +78,13 @@ CARD = Card(
 class Params:
     """Thresholds and limits.
 
-    R_stiction, R_low : float
-        R above the first in both half waves, with the interval above the second, is stiction; R below the
-        second, with the interval below the first, is near 1 [-]. Ours: the paper's tolerance is not known to us.
-    half_cycles_min : int
-        Fewest accepted half cycles for a verdict; half as many on either side of SP for an accusation.
-    usable_min : float
-        Least share of the half cycles that must be usable to decide [-].
+    R_stiction, R_low : R above the first in both half waves, with the interval above the second, is stiction; R below
+        the second, with the interval below the first, is near 1 [-]. Ours: the paper's tolerance is not known to us.
+    half_cycles_min : fewest accepted half cycles for a verdict; half as many on either side of SP for an accusation
+    usable_min : least share of the half cycles that must be usable to decide [-]
     resamples, seed, coverage :
         Bootstrap of the half cycles for the interval of R.
-    block, half_cycles_max : int
-        Streaming: samples held, and half cycles remembered.
+    block, half_cycles_max : streaming: samples held, and half cycles remembered
     cycles : cycles.Params
         Drift, noise and the oscillation gate.
     """
@@ -113,7 +98,7 @@ class Params:
     coverage: float = 0.90
     block: int = 2048
     half_cycles_max: int = 400
-    cycles: cycles.Params = field(default_factory=cycles.Params)
+    cycles: "cycles.Params" = field(default_factory=cycles.Params)
 
     def __post_init__(self) -> None:
         if not 1 < self.R_low < self.R_stiction:

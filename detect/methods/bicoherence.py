@@ -31,27 +31,19 @@ Blind on symmetric waves, whose even harmonics vanish: nothing is cleared. Not f
 outside wave that is no sine (a saw) is as non-linear as a valve, and its ellipse as wide.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.surrogates import end_matched, phase_randomised
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Bicoherence", "Ellipse", "Params", "bicoherence", "clusters", "detect", "draw", "ellipse"]
-
-Values = npt.NDArray[np.float64]
 NAME = "bicoherence"
 LENGTH, POINTS = 64, 128  # of a segment and of its DFT, as in the paper
 CHI2 = 5.991464547107979  # 95 % of chi squared with two degrees of freedom
@@ -90,22 +82,14 @@ CARD = Card(
 class Params:
     """Settings; where no paper is named they are ours.
 
-    ngi_min, nli_min : float
-        Limits of the paper [-], beside those of the twins.
-    twins : int
-        Linear twins of the record.
-    level : float
-        Share of the twins that must lie below.
-    per_period, samples : int
-        Most samples of a period (of the paper: two periods must fit into a segment) and of the record.
-    segments : int
-        Fewest segments.
-    amount_min : float
-        Least apparent stiction [% of OP].
-    noise_min : float
-        Least apparent stiction in standard deviations of the noise on OP.
-    fit_min : float
-        Least fit of the ellipse [-]; below it the clusters are taken.
+    ngi_min, nli_min : limits of the paper [-], beside those of the twins
+    twins : linear twins of the record
+    level : share of the twins that must lie below
+    per_period, samples : most samples of a period (of the paper: two periods must fit into a segment) and of the record
+    segments : fewest segments
+    amount_min : least apparent stiction [% of OP]
+    noise_min : least apparent stiction in standard deviations of the noise on OP
+    fit_min : least fit of the ellipse [-]; below it the clusters are taken
     """
 
     ngi_min: float = 0.001
@@ -151,7 +135,7 @@ class Ellipse(NamedTuple):
         return 2.0 * self.m * self.n / math.hypot(self.m * math.sin(self.angle), self.n * math.cos(self.angle))
 
 
-def _triangle() -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def _triangle() -> tuple[Indices, Indices]:
     i, j = np.meshgrid(np.arange(1, POINTS // 2), np.arange(1, POINTS // 2), indexing="ij")
     inside = (j <= i) & (i + j < POINTS // 2)
     return i[inside], j[inside]

@@ -16,13 +16,10 @@ some 10 % of S off the travel where y is the stem; a lag of PV eats the beginnin
 Not for slow processes without MV, long dead time, or PV on a coarse grid.  Cost: about 5 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
@@ -31,15 +28,10 @@ from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.detect.stem.play import travel_of
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Stuck", "detect", "draw", "recall", "remember", "stuck"]
-
-Values = npt.NDArray[np.float64]
 NAME = "change_no_change"
 
 CARD = Card(
@@ -81,8 +73,8 @@ class Stuck(NamedTuple):
     """rho [-], first and last sample of the intervals that count (r,), OP travel over each (r,), eps [unit of y]."""
 
     rho: float
-    first: npt.NDArray[np.intp]
-    last: npt.NDArray[np.intp]
+    first: Indices
+    last: Indices
     travel: Values
     eps: float
 
@@ -123,7 +115,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     return found if isinstance(found, Verdict) else _judged(p, loop, found)
 
 
-def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, npt.NDArray[np.intp]]:
+def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, Indices]:
     """The intervals of a window, the k of its differences, and the samples at which OP turns."""
     grid = loop.whole
     at, turn = turn_time(grid.op, loop.period / grid.dt)

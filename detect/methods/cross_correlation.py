@@ -20,29 +20,19 @@ An outside wave makes the same quarter of a period wherever the controller's int
 self-regulating loops under an outside sine or square 28 were called sticky, as the paper warns for squares.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = [
-    "CARD", "Params", "Symmetry", "correlation", "detect", "draw", "of_correlation", "recall", "remember", "symmetry",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
 NAME = "cross_correlation"
 LAGS: Values = np.linspace(-1.0, 1.0, 401)  # of the period, at which r is kept
 

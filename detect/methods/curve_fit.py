@@ -19,29 +19,21 @@ as lines.  A dead loop is still accused at times: the controller makes OP from P
 Measured on the prepared record: 1.5 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, free_triangle, sine
 from stickslip.detect.methods.against_sine import AgainstSine
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 NAME = "curve_fit"
 
 CARD = Card(

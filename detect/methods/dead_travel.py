@@ -18,29 +18,20 @@ of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.2 s for 75
 record the last part.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import Log, LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw"]
-
-Values = npt.NDArray[np.float64]
 NAME = "dead_travel"
 SHOWN = 8.0  # turns of OP in the picture
 

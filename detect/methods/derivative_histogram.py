@@ -25,29 +25,21 @@ wave.  The wrong kind of process gives the wrong answer. Measured on the prepare
 20 ms once for the fits.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.smoothing import moving_average
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Humps", "Params", "bell_or_humps", "detect", "draw", "fitted", "noise_share", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 NAME = "derivative_histogram"
 EDGES: Values = np.linspace(-4.0, 4.0, 41)  # in standard deviations of the derivative
 

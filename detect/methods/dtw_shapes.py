@@ -19,12 +19,9 @@ Not where dead time rounds all shapes: then the cycles are sines, which clears n
 record: 5 to 10 ms for 7,200 samples (at most 40 cycles are read).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -32,15 +29,10 @@ from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import CUT, Prepared, Signal, prepared
 from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "distances", "draw", "named", "templates"]
-
-Values = npt.NDArray[np.float64]
 NAME = "dtw_shapes"
 POINTS = 64
 
@@ -69,16 +61,11 @@ CARD = Card(
 class Params:
     """Limits, all ours.
 
-    band : int
-        How far time may be warped [points of 64]: 3 is 5 %.
-    margin : float
-        How much nearer than the sine a template must be [share of the distance to the sine].
-    cycles_stiction : float
-        Share of the cycles that must have the shape [-].
-    cycles_min, cycles_max : int
-        Fewest and most cycles read.
-    noise_wanted : float
-        Neighbouring cycles are averaged towards this noise [standard deviations of the wave].
+    band : how far time may be warped [points of 64]: 3 is 5 %
+    margin : how much nearer than the sine a template must be [share of the distance to the sine]
+    cycles_stiction : share of the cycles that must have the shape [-]
+    cycles_min, cycles_max : fewest and most cycles read
+    noise_wanted : neighbouring cycles are averaged towards this noise [standard deviations of the wave]
     """
 
     band: int = 3
@@ -139,7 +126,7 @@ def distances(x: Values, y: Values, band: int = 3) -> Values:
     return np.asarray(last[band] / (2.0 * n))
 
 
-def named(cycles: Values, p: Params) -> tuple[npt.NDArray[np.str_], npt.NDArray[np.intp]]:
+def named(cycles: Values, p: Params) -> tuple[npt.NDArray[np.str_], Indices]:
     """The name of each cycle (c, 64) and the number of its nearest template, both (c,)."""
     names, shapes = templates()
     centred = cycles - cycles.mean(axis=1, keepdims=True)

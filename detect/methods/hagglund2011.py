@@ -25,15 +25,12 @@ by the same lines in both forms, so that they differ by rounding only.  The batc
 oscillation besides.  Measured: 6 ms for 7,200 samples and 120 half waves; 5 us per sample when streaming.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import starmap
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
@@ -41,15 +38,10 @@ from stickslip.detect.signals.bootstrap import interval
 from stickslip.detect.signals.crossings import crossings
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
-from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "HalfWave", "Params", "State", "detect", "draw", "init", "measure", "update", "verdict"]
-
-Values = npt.NDArray[np.float64]
 NAME = "hagglund2011"
 
 CARD = Card(
@@ -76,20 +68,13 @@ CARD = Card(
 class Params:
     """Limits and, where known, the controller.
 
-    I_stiction : float
-        Index above which the half waves are square [-].
-    half_waves_min, half_waves_max : int
-        Fewest for a verdict (n_lim of Hagglund 1995), and how many are remembered.
-    band : float
-        Hysteresis of the crossings [share of the mean |e|].
-    memory : int
-        Samples over which the mean of |e| forgets.
-    samples_min, block : int
-        Fewest and most samples of a half wave.
-    regularity_min : float
-        mean / (3 std) of the full periods [-], above which they are those of an oscillation.
-    K, T_i, K_p : float or None
-        Gain [OP per PV] and integral time [s] of the controller, gain of the process [PV per OP].
+    I_stiction : index above which the half waves are square [-]
+    half_waves_min, half_waves_max : fewest for a verdict (n_lim of Hagglund 1995), and how many are remembered
+    band : hysteresis of the crossings [share of the mean |e|]
+    memory : samples over which the mean of |e| forgets
+    samples_min, block : fewest and most samples of a half wave
+    regularity_min : mean / (3 std) of the full periods [-], above which they are those of an oscillation
+    K, T_i, K_p : gain [OP per PV] and integral time [s] of the controller, gain of the process [PV per OP]
     """
 
     I_stiction: float = 0.1

@@ -24,29 +24,21 @@ period. A disturbance that is no sine and no drift is explained by neither model
 About 50 to 150 ms a record.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.filters import summits
 from stickslip.detect.stem.linear_models import Fit, Linear, bank, fit, near_by
 from stickslip.detect.stem.valve_models import VALVES
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Search", "detect", "draw", "search"]
-
-Values = npt.NDArray[np.float64]
 NAME = "hammerstein"
 # Of the swing of OP. In a limit cycle OP turns just after the slip, so that S is often nearly the swing.
 SIZES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.93, 0.96, 0.98, 0.995)
@@ -81,24 +73,17 @@ CARD = Card(
 class Params:
     """Settings; all limits are ours.
 
-    linear : {"oe1", "oe2", "armax", "eoe", "earmax"}
-        The linear model; an integrating process takes the extended one of its kind.
+    linear : the linear model; an integrating process takes the extended one of its kind
     valve : {"kano", "he"}
-    jumps : int
-        Steps of J / S.
-    per_period, samples : int
-        Samples of a period and of the record that are used.
-    cut : float
-        Where OP is smoothed, in frequencies of the oscillation.
-    region : float
-        Points of F below the best that the region of confidence takes in.
-    full : float
-        Share of the swing of OP from which on S is bounded by nothing but the swing: a model that sticks by nearly all
-        of it misses a slip wherever noise takes a little off OP, and F falls for that reason alone.
-    gain_min, fit_min, size_min : float
-        Least gain over the linear process [points], least F [%], least S [share of the swing of OP].
-    jump_min : float
-        A valve whose region has no J / S above this is called a deadband.
+    jumps : steps of J / S
+    per_period, samples : samples of a period and of the record that are used
+    cut : where OP is smoothed, in frequencies of the oscillation
+    region : points of F below the best that the region of confidence takes in
+    full : share of the swing of OP from which on S is bounded by nothing but the swing: a model that sticks by nearly
+        all of it misses a slip wherever noise takes a little off OP, and F falls for that reason alone
+    gain_min, fit_min, size_min : least gain over the linear process [points], least F [%], least S [share of the swing
+        of OP]
+    jump_min : A valve whose region has no J / S above this is called a deadband
     """
 
     linear: Linear = "eoe"
@@ -132,7 +117,7 @@ class Search(NamedTuple):
         """Index of the best valve."""
         return int(np.argmax(self.F))
 
-    def region(self, points: float) -> npt.NDArray[np.bool_]:
+    def region(self, points: float) -> Mask:
         """Which valves are within so many points of the best, shape (m,)."""
         return np.asarray(np.max(self.F) - points <= self.F)
 

@@ -18,11 +18,9 @@ A stream keeps the amplitudes of the blocks; they need the period beforehand, so
 Measured on the prepared record: 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,15 +28,10 @@ from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Harmonics", "Params", "amplitudes", "detect", "draw", "harmonics_of", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 NAME = "harmonics"
 

@@ -22,29 +22,21 @@ takes up to 30 % off S (docs/evidence/amounts.md).  In a cycle it has two places
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.play import interval, travel_of
 from stickslip.detect.stem.stick import stick, turn_time, turns
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Width", "detect", "draw", "width"]
-
-Values = npt.NDArray[np.float64]
 NAME = "parallelogram"
 
 CARD = Card(
@@ -137,7 +129,7 @@ def width(u: Values, y: Values, turn: float) -> Width:
     return Width(float(fine[best]), low, high, top, without, lag, x, sizes, np.max(rho, axis=1), slope, span)
 
 
-def _correlate(x: Values, y: Values, lags: npt.NDArray[np.int_], drop: int) -> tuple[Values, npt.NDArray[np.intp]]:
+def _correlate(x: Values, y: Values, lags: Indices, drop: int) -> tuple[Values, Indices]:
     """The largest |corr| of each column of x (n, m) with y (n,) that follows it by one of the lags, and which lag."""
     reach = int(lags[-1])
     head = x[drop : len(x) - reach]

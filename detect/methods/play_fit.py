@@ -38,29 +38,20 @@ Cost: 50 ms for 7,200 samples on one slow core.  Long records are averaged in bl
 between two turns, and the search compares 300 to 600 samples; the models are judged by all of them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Grid, Prepared, prepared
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.play import Fit, fit
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Fit", "Params", "detect", "draw", "fit"]
-
-Values = npt.NDArray[np.float64]
 NAME = "play_fit"
 
 CARD = Card(

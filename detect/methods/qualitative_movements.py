@@ -26,14 +26,11 @@ of these had been seen, so this is partly a fit; ``docs/evidence/method_rates.md
 Not for levels, temperatures or gas pressures without MV.  Cost: about 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
@@ -41,15 +38,10 @@ from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Movements", "Params", "detect", "draw", "movements", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 NAME = "qualitative_movements"
 
 CARD = Card(
@@ -96,7 +88,7 @@ class Movements(NamedTuple):
     rho_3: float
     S: Values
     J: Values
-    pairs: npt.NDArray[np.int_]
+    pairs: Indices
 
 
 def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
@@ -113,7 +105,7 @@ def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
     return _counted(found, pairs)
 
 
-def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.int_], npt.NDArray[np.int_]]:
+def _runs(u: Values, x: Values, level: float) -> tuple[Values, Indices, Indices]:
     """The runs of equal movements (r, 6), the movements themselves, and the sample at which each run starts (r,).
 
     Of each run: its samples; whether the stem stands, and is followed rightly or wrongly (0 or 1); travels S and J.
@@ -139,7 +131,7 @@ def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.in
     return rows, 3 * du + dx, kept[starts]
 
 
-def _sizes(u: Values, x: Values, dx: npt.NDArray[np.int_], at: int, way: int) -> tuple[float, float]:
+def _sizes(u: Values, x: Values, dx: Indices, at: int, way: int) -> tuple[float, float]:
     """S and J of the move of the stem that is under way at ``at``: from the turn of OP to where the stem is fastest.
 
     Smoothing makes a slip a ramp, so that the stem seems to stand for less than it does; in its middle it is fastest.
@@ -155,14 +147,14 @@ def _sizes(u: Values, x: Values, dx: npt.NDArray[np.int_], at: int, way: int) ->
     return float(max(way * reached - np.min(way * u[since : slip + 1]), 0.0)), float(abs(x[last] - x[first]))
 
 
-def _move(dx: npt.NDArray[np.int_], at: int) -> tuple[int, int]:
+def _move(dx: Indices, at: int) -> tuple[int, int]:
     """The samples at which the move of the stem that is under way at ``at`` starts and ends."""
     other = np.flatnonzero(dx != dx[at])
     k = int(np.searchsorted(other, at))
     return int(other[k - 1]) + 1 if k else 0, int(other[k]) if k < len(other) else len(dx)
 
 
-def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:
+def _counted(runs: Values, pairs: Indices) -> Movements:
     """The numbers of the paper for runs (r, 6)."""
     if not len(runs):
         return Movements(0.0, 0.0, 0.0, np.empty(0), np.empty(0), pairs)
@@ -172,7 +164,7 @@ def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:
     return Movements(of_all[0], of_all[1], of_all[0] - of_all[2], S[good], J[good], pairs)
 
 
-def _symbols(d: Values, level: float) -> npt.NDArray[np.int_]:
+def _symbols(d: Values, level: float) -> Indices:
     std = float(np.std(d))
     z = (d - np.mean(d)) / std if std > 0.0 else np.zeros_like(d)
     return np.where(z > level, 1, np.where(z < -level, -1, 0))

@@ -15,28 +15,19 @@ triangle, so a sine is not cleared.  Outside triangles are accused. Measured on 
 samples and 60 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
 from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
 from stickslip.detect.signals.interval_halving import Piece, primitives
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "share_of"]
-
-Values = npt.NDArray[np.float64]
 NAME = "qualitative_shapes"
 LETTERS = "ABCDEFG"
 
@@ -65,19 +56,13 @@ CARD = Card(
 class Params:
     """Limits, all ours.
 
-    straight, bent : float
-        Share of a cycle's time in C and F for a triangle, in B, D, E and G for a sine [-].
-    cycles_stiction : float
-        Share of the cycles that must be triangles [-].
-    cycles_min, cycles_max : int
-        Fewest and most cycles read.
-    points : int
-        Values a cycle, at most as many as were sampled.
-    noise_wanted, noise_max : float
-        Noise on a value over the standard deviation of the wave: neighbouring cycles are averaged towards the first,
-        above the second nothing is decided [-].
-    misfit : float
-        Part of the wave's standard deviation that counts as noise even where there is none [-].
+    straight, bent : share of a cycle's time in C and F for a triangle, in B, D, E and G for a sine [-]
+    cycles_stiction : share of the cycles that must be triangles [-]
+    cycles_min, cycles_max : fewest and most cycles read
+    points : values a cycle, at most as many as were sampled
+    noise_wanted, noise_max : noise on a value over the standard deviation of the wave: neighbouring cycles are averaged
+        towards the first, above the second nothing is decided [-]
+    misfit : part of the wave's standard deviation that counts as noise even where there is none [-]
     """
 
     straight: float = 0.7

@@ -18,28 +18,20 @@ wrong accusations where 10 were); a triangle with its apex near an end (0.9) has
 Measured on the prepared record: 2 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, relay, relay_wave, sine, triangle
 from stickslip.detect.methods.against_sine import AgainstSine
 from stickslip.detect.pool import pooled
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 NAME = "relay_fit"
 
 CARD = Card(

@@ -15,27 +15,18 @@ A level whose outlet steps for other reasons (on-off pumps, batches) bends in co
 processes, where a slip rounds off.  Cost: about 2 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import CUT, Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "excess", "noise_share", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 NAME = "second_difference_kurtosis"
 
 CARD = Card(

@@ -25,26 +25,18 @@ sticky valve does. On levels it finds nothing, and refuses them. 30 to 80 ms a r
 Source: Int. J. Adapt. Control Signal Process. 17 (2003) 625. Limits, orders and the number of hypotheses are ours.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Path", "detect", "draw", "segment"]
-
-Values = npt.NDArray[np.float64]
 NAME = "segmentation"
 
 CARD = Card(
@@ -70,20 +62,13 @@ CARD = Card(
 class Params:
     """Settings, all ours.
 
-    hypotheses : int
-        Kept at a time.
-    q : float
-        Prior chance of a move [-].
-    young : int
-        Samples for which a new hypothesis is not dropped.
-    rate_low, rate_high : float
-        Share of moves of a sticking valve [-].
-    stay : float
-        Least median length of a stay [samples].
-    per_period, samples, samples_min : int
-        Samples of a period where one is known, most and fewest of the record.
-    delay_max : int
-        Longest dead time that is tried [samples].
+    hypotheses : kept at a time
+    q : prior chance of a move [-]
+    young : samples for which a new hypothesis is not dropped
+    rate_low, rate_high : share of moves of a sticking valve [-]
+    stay : least median length of a stay [samples]
+    per_period, samples, samples_min : samples of a period where one is known, most and fewest of the record
+    delay_max : longest dead time that is tried [samples]
     """
 
     hypotheses: int = 16

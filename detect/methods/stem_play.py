@@ -27,14 +27,10 @@ only these are read.  Where tight limits of a stand show no stick, wider ones ar
 before it breaks away.  Cost: about 8 ms for 7,200 samples, 15 ms where both are tried.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
@@ -42,15 +38,10 @@ from stickslip.detect.stem.logged_stem import LATEST, Stem, band, stem
 from stickslip.detect.stem.play import travel_of
 from stickslip.detect.stem.stem_noise import stem_noise
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Stem", "detect", "draw", "stem"]
-
-Values = npt.NDArray[np.float64]
 CREEPS, JUMPS = 0.03, 2.0  # of MV's range: a stem that gives so much before it breaks away stands; of that, its jumps
 TURN_LATE = 6.0  # samples from turn to turn of OP, over the samples that the stem may be late
 STOOD_SHARE = (

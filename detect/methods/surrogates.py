@@ -19,28 +19,19 @@ Measured: none of 60 noisy sines, 10 narrow-band noises and 10 linear loops unde
 loops that cycle by a sticky valve under a wandering load had, and none of 10 that repeat almost exactly. About 0.1 s.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.crossings import crossings
 from stickslip.detect.signals.surrogates import phase_randomised
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "forecast_error"]
-
-Values = npt.NDArray[np.float64]
 NAME = "surrogates"
 FLOOR_SHARE = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
 
@@ -70,11 +61,9 @@ CARD = Card(
 class Params:
     """Settings of the paper, but for ``per_period`` and ``samples``, which bound the cost.
 
-    limit : float
-        N above which the wave is non-linear [-].
+    limit : N above which the wave is non-linear [-]
     neighbours, twins : int
-    per_period, samples : int
-        Most samples of a period (7 to 25 in the paper), and of the record.
+    per_period, samples : most samples of a period (7 to 25 in the paper), and of the record
     """
 
     limit: float = 1.0

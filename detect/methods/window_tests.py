@@ -24,14 +24,11 @@ called sticky, a deadband (19 of 210 without the twins); of 80 sticky ones, many
 Not for slow processes without MV, coarse PV, or PV lost in noise.  Cost: about 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
@@ -39,16 +36,10 @@ from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Flags", "Params", "detect", "draw", "flags", "reverse_arrangements"]
-
-Values = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 NAME = "window_tests"
 
 CARD = Card(

@@ -39,23 +39,18 @@ first crossing in place of the one over all lags, to which a true oscillation wo
 the second try after removal of drift, because a slow drift lifts the whole ACF off zero and hides the crossings.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
 from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.detect.signals.smoothing import moving_average
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
-
-Values = npt.NDArray[np.float64]
 Beat = tuple[float, int, float, float, float, float]  # standard deviation, and what ``acf_kernels.beat`` says [lags]
 _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
@@ -82,22 +77,14 @@ CARD = Card(
 class Params:
     """Settings of the test.
 
-    regularity_min : float
-        Least regularity r [-], of the paper.
-    crossings, intervals_min : int
-        Zero crossings used, of the paper, and fewest intervals between them.
-    cycles_min : float
-        Fewest cycles in the record.
-    samples_min : float
-        Fewest samples a period.
-    band : float
-        z of the noise band [-]; 1.96 is its 95 %.
-    halvings : int
-        How often a record that does not pass, or whose period drifts, is halved.
-    drift_max : float
-        Largest difference between the periods of two halves of one period [-].
-    share_min : float
-        Least share of the time that the parts that pass must make up [-].
+    regularity_min : least regularity r [-], of the paper
+    crossings, intervals_min : zero crossings used, of the paper, and fewest intervals between them
+    cycles_min : fewest cycles in the record
+    samples_min : fewest samples a period
+    band : z of the noise band [-]; 1.96 is its 95 %
+    halvings : how often a record that does not pass, or whose period drifts, is halved
+    drift_max : largest difference between the periods of two halves of one period [-]
+    share_min : least share of the time that the parts that pass must make up [-]
     """
 
     regularity_min: float = 1.0

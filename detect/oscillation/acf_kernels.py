@@ -10,8 +10,6 @@ import numpy as np
 from stickslip.detect.signals.smoothing_kernels import averages
 from stickslip.logs.compiled import njit
 
-__all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]
-
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
 

@@ -9,8 +9,6 @@ Source: Forsman and Stattin 1999, European Control Conference. Ours: a small ban
 periods at least.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +17,6 @@ from stickslip.detect.oscillation.even import regularity
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.detect.oscillation.lobes import lobes
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Params", "find", "likeness"]
 
 CARD = Card(
     name="forsman_stattin",

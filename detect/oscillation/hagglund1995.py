@@ -13,20 +13,16 @@ Measured with the defaults of ``find``, 200 seeds of 1000 samples: 1 % of white 
 0.95 and of random walks, but 29 % of AR(1) with -0.8, whose sign alternates.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Params", "State", "find", "gate", "init", "run", "update"]
+from stickslip.logs.arrays import Values
 
 CARD = Card(
     name="hagglund1995",
@@ -43,7 +39,6 @@ CARD = Card(
     cost="O(1) per sample",
     kind="gate",
 )
-Values = npt.NDArray[np.float64]
 _KEPT = 11  # crossings remembered, as in the ACF gate
 
 
@@ -51,18 +46,12 @@ _KEPT = 11  # crossings remembered, as in the ACF gate
 class Params:
     """Settings of the detector.
 
-    a : float
-        Tolerated amplitude of e [unit of PV]; the paper takes 1 % of the PV span.
-    w_u : float or None
-        Ultimate frequency [rad/s], or 2 pi / T_i; None takes the length of each lobe.
-    n_lim : float
-        Loads that make an oscillation [-].
-    periods : float
-        Supervision time T_sup in periods [-].
-    band : float
-        Hysteresis on either side of zero [unit of PV].
-    regularity_min : float
-        mean / (3 std) of the crossing intervals [-]; 0 gives the published test.
+    a : tolerated amplitude of e [unit of PV]; the paper takes 1 % of the PV span
+    w_u : ultimate frequency [rad/s], or 2 pi / T_i; None takes the length of each lobe
+    n_lim : loads that make an oscillation [-]
+    periods : supervision time T_sup in periods [-]
+    band : hysteresis on either side of zero [unit of PV]
+    regularity_min : mean / (3 std) of the crossing intervals [-]; 0 gives the published test
     """
 
     a: float

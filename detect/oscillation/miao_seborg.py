@@ -10,23 +10,17 @@ the same colour keeps to (``acf_crossings``): in plain noise neighbouring swings
 Source: Miao and Seborg 1999, Control Eng. Practice 7:73 (the ratio and its limit). Ours: which maxima, and the band.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.correlogram import correlogram
 from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Params", "decay_ratio", "find"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 CARD = Card(
     name="miao_seborg",

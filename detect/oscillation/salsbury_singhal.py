@@ -11,24 +11,18 @@ Source: Salsbury and Singhal 2005, American Control Conference. The limit of zet
 as are the estimation by autocorrelation and the band that its first swings must leave.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.correlogram import correlogram
 from stickslip.detect.oscillation.even import CYCLES_MIN, acf, regularity
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Mode", "Params", "find", "mode"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 CARD = Card(
     name="salsbury_singhal",

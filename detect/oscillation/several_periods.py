@@ -15,21 +15,15 @@ Source: J. Process Control 13 (2003) 91; Fisher 1929, Proc. R. Soc. London A 125
 the background, and the rule for harmonics.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import Even, acf, even, regularity
 from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Params", "find", "find_all"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 CARD = Card(
     name="several_periods",
@@ -55,14 +49,10 @@ UNSURE = 1.8  # 1.8 standard deviations of the logarithm of a median of few line
 class Params:
     """Settings.
 
-    alpha : float
-        Chance that noise passes the test of peaks [-].
-    regularity_min : float
-        Least r [-], of the paper.
-    cycles_min, samples_min : float
-        Fewest cycles in the record, fewest samples a period.
-    most : int
-        Largest number of oscillations to find.
+    alpha : chance that noise passes the test of peaks [-]
+    regularity_min : least r [-], of the paper
+    cycles_min, samples_min : fewest cycles in the record, fewest samples a period
+    most : largest number of oscillations to find
     """
 
     alpha: float = 0.001

@@ -9,8 +9,6 @@ crossings of its own, hence the band of hysteresis, and the ACF (``acf_crossings
 Source: Control Eng. Practice 5 (1997) 1343. Ours: the band, and a tolerated amplitude of half the standard deviation.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -20,8 +18,6 @@ from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
 from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
 from stickslip.detect.oscillation.lobes import lobes
 from stickslip.logs import LoopRecord
-
-__all__ = ["CARD", "Params", "find"]
 
 CARD = Card(
     name="thornhill1997",
@@ -44,14 +40,10 @@ CARD = Card(
 class Params:
     """Settings.
 
-    regularity_min : float
-        Least r [-], of the paper.
-    band : float
-        Hysteresis about zero [standard deviations].
-    tolerated : float
-        Amplitude a below which a half period does not count [standard deviations].
-    share : float
-        Least share of half periods that count [-].
+    regularity_min : least r [-], of the paper
+    band : hysteresis about zero [standard deviations]
+    tolerated : amplitude a below which a half period does not count [standard deviations]
+    share : least share of half periods that count [-]
     """
 
     regularity_min: float = 1.0

@@ -1,7 +1,5 @@
 """May a method look at this record? Its card says what it needs, the prepared record what there is."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -10,8 +8,6 @@ from stickslip.detect.health.fact import Fact
 from stickslip.detect.oscillation.clock import RATIO_MAX
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Code, Verdict
-
-__all__ = ["refused"]
 
 ALWAYS: tuple[Code, ...] = (
     "no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive",

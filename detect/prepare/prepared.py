@@ -8,15 +8,12 @@ without phase by a Butterworth filter of order 2 that cuts at ``CUT`` times the 
 Which half waves are accepted, ``half_waves.waves`` says.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.cycles import Cycles, Refusal, cut
 from stickslip.detect.half_waves.waves import HalfWave, half_waves_of
 from stickslip.detect.health.causality import causality
@@ -37,15 +34,13 @@ from stickslip.detect.signals.smoothing import moving_average, noise_std
 from stickslip.detect.stem.process_kind import Kind, kind_of_data, kind_of_tag
 from stickslip.detect.stem.recent import recent
 from stickslip.logs import LoopRecord, read_loop
+from stickslip.logs.arrays import Values
 from stickslip.logs.files.frames import frame_kind
 
 if TYPE_CHECKING:
     from stickslip.detect.likelihood.pooled import Evidence
     from stickslip.detect.likelihood.stems import Stems
 
-__all__ = ["CUT", "STEPS_MAX", "Grid", "Prepared", "Signal", "prepared"]
-
-Values = npt.NDArray[np.float64]
 Signal = Literal["OP", "PV", "SP", "E", "MV"]
 
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
@@ -61,8 +56,7 @@ class Grid:
     t : (n,) [s], every ``dt`` [s]
     op, pv, e : (n,), unit of the record; e = SP - PV, or mean(PV) - PV without SP
     sp, mv : (n,) or None
-    drawn : float
-        Share of the grid's points that lie inside a bridged gap [-].
+    drawn : share of the grid's points that lie inside a bridged gap [-]
     """
 
     t: Values
@@ -94,7 +88,7 @@ class Prepared(RecordSignals):
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
 
     @cached_property
-    def with_stale(self) -> Prepared:
+    def with_stale(self) -> "Prepared":
         """The same loop with its stale samples as they were logged, for what sorts them out itself."""
         return self if self.record is self._logged else Prepared(self._logged, stale_masked=False)
 
@@ -113,7 +107,7 @@ class Prepared(RecordSignals):
         return causality(grid.op, grid.pv, grid.e, self.period / grid.dt, dt=grid.dt)
 
     @cached_property
-    def stems(self) -> Stems | None:
+    def stems(self) -> "Stems | None":
         """The record ready for the likelihood of stems, in % of OP where its span is known; None where too little is.
 
         Stale samples are as they were logged: the likelihood leaves them out itself.
@@ -125,7 +119,7 @@ class Prepared(RecordSignals):
         return stems_of(grid.op if percent is None else percent * grid.op, grid.pv) if len(grid) else None
 
     @cached_property
-    def dead_travel(self) -> Evidence | None:
+    def dead_travel(self) -> "Evidence | None":
         """What the record says of dead travel of its valve; None where too little of it moves or is left."""
         from stickslip.detect.likelihood.pooled import evidence_of
 

@@ -1,15 +1,11 @@
 """A record of several days cut by the clock, so that each day can be judged by itself and all of them together."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 from stickslip.logs import LogError, LoopRecord
-
-__all__ = ["CYCLES_MIN", "DAY_S", "SAMPLES_MIN", "WINDOWS_MAX", "days_of", "edges_of_days", "part_of"]
 
 DAY_S = 86400.0  # s
 WINDOWS_MAX = 12  # windows

@@ -10,17 +10,12 @@ Source: Dash, Maurya, Venkatasubramanian and Rengaswamy 2004, AIChE J. 50:149; t
 Rengaswamy, Hagglund and Venkatasubramanian 2001, Eng. Appl. Artif. Intell. 14:23.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Values
 
-__all__ = ["Piece", "primitives"]
-
-Values = npt.NDArray[np.float64]
 NAMES = {(0, 0): "A", (1, 1): "B", (1, 0): "C", (1, -1): "D", (-1, 1): "E", (-1, 0): "F", (-1, -1): "G"}
 SHORTEST = 4  # samples, one more than a parabola has coefficients
 

@@ -9,20 +9,6 @@ from typing import Any
 
 from stickslip.logs.compiled import njit
 
-__all__ = [
-    "bends",
-    "curving",
-    "flips",
-    "last_before",
-    "long_stands",
-    "longest_stand",
-    "on_grid",
-    "pair",
-    "repeated",
-    "spread",
-    "steps",
-]
-
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
 

@@ -1,13 +1,7 @@
 """Percentiles by partition: what ``numpy.percentile`` and ``numpy.median`` give, without their rounds of checks."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["median_step", "percentile", "percentiles"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def percentiles(x: Values, *percents: float) -> list[float]:

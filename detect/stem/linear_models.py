@@ -24,19 +24,14 @@ Control Eng. Practice 17:387 (EARMAX); Ljung 1999, System Identification. Ours: 
 the moving average in the place of an integrated noise.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.filters import first_order
+from stickslip.logs.arrays import Values
 
-__all__ = ["Bank", "Fit", "Linear", "Process", "bank", "fit", "near_by"]
-
-Values = npt.NDArray[np.float64]
 Linear = Literal["oe1", "oe2", "armax", "eoe", "earmax"]
 
 NOISE_ZEROS = (0.5, 0.8, 0.95)  # c of ARMAX; c = a would be output error, c = 0 plain ARX

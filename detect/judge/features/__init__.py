@@ -10,8 +10,6 @@
 Of 290 features of ten families, and later of 60, the first two told loops of unseen physics apart as well as all.
 """
 
-from __future__ import annotations
-
 import math
 
 from stickslip.detect.judge.features.earned import usable

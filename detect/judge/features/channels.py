@@ -8,15 +8,11 @@ Those seven are odd: they change sign if OP and PV do.  Read along the way of OP
 even, and every half cycle looks alike:   r, dy, |w|.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.view import View
+from stickslip.logs.arrays import Values
 
-__all__ = ["EVEN", "ODD", "channels", "innovations"]
-
-Values = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 ODD, EVEN = 7, 3
