@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.figures.loop_trend import named
-from stickslip.detect.figures.verdict import draw_evidence, draw_reason, legend
+from stickslip.detect.figures.verdict import draw_evidence, draw_reason, finish
 from stickslip.logs.arrays import Values
-from stickslip.logs.style import COLOURS, INK, PALE, tidy
+from stickslip.logs.style import COLOURS, INK, PALE
 from stickslip.logs.time_axis import TimeAxis
 
 if TYPE_CHECKING:
@@ -81,11 +81,7 @@ def _draw_learnt(answer: "Diagnosis", figure: "FigureBase") -> None:
         _along(ax, x, y.astype(np.float64))
         if S is not None:
             ax.axvline(S.value, color=INK, lw=0.9, ls="--", label=f"S = {S.value:.2g}")
-        ax.set_xlabel(f"travel of OP since its turn [{unit}]")
-        ax.set_ylabel("standard deviations, the way of OP")
-        ax.set_title(title, fontsize=9, loc="left")
-        legend(ax)
-        tidy(ax)
+        finish(ax, f"travel of OP since its turn [{unit}]", "standard deviations, the way of OP", title, named=True)
 
 
 def _along(ax: "Axes", x: Values, y: Values) -> None:
@@ -113,8 +109,6 @@ def _draw_moves(answer: "Diagnosis", figure: "FigureBase") -> None:
     elif record.mv is not None:
         lower.plot(at, record.mv[last], color=COLOURS["MV"], label="MV")
         lower.set_ylim(upper.get_ylim())
-    upper.set_ylabel(named(record, record.op_name, "OP"))
     axis.finish(lower, float(t[0]), float(t[-1]))
-    for ax in (upper, lower):
-        legend(ax)
-        tidy(ax)
+    finish(upper, "", named(record, record.op_name, "OP"), named=True)
+    finish(lower, named=True)

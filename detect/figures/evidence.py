@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.figures.loop_trend import named, shown_cycles
-from stickslip.detect.figures.verdict import legend
+from stickslip.detect.figures.verdict import finish, legend
 from stickslip.detect.words import WORDS
 from stickslip.logs.arrays import Values
 from stickslip.logs.style import COLOURS, FIT, PALE, SOFT, tidy
@@ -110,10 +110,7 @@ def plot_spectrum(found: "Spectrum") -> "Figure":
     ax.set_yticks([0.01, 0.1, 1.0], ["1 %", "10 %", "100 %"])
     ax.minorticks_off()
     ax.set_xlim(0.0, float(found.f[shown][-1]) * scale)
-    ax.set_xlabel(f"frequency [1/{unit}]")
-    ax.set_ylabel("amplitude over the largest line")
-    legend(ax)
-    tidy(ax)
+    finish(ax, f"frequency [1/{unit}]", "amplitude over the largest line", named=True)
     return figure
 
 

@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from stickslip.logs.style import INK, RED, SOFT, tidy
+from stickslip.detect.figures.verdict import finish
+from stickslip.logs.style import INK, RED, SOFT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,11 +51,9 @@ def _tags(ax: "Axes", survey: "Survey", group: "Group") -> None:
     ax.set_yticks(
         [0.4 - row for row in range(min(len(shown), MOST))], [f"{n}  {group.shares[n]:.0%}" for n in shown[:MOST]]
     )
-    ax.set_xlabel("time [s]")
     more = f", {len(shown) - MOST} more" if len(shown) > MOST else ""
     red = f"; red: {first}" if first else ""
-    ax.set_title(f"{len(shown)} tags share {group.period:.3g} s (share of variance{more}{red})", loc="left", fontsize=9)
-    tidy(ax)
+    finish(ax, "time [s]", "", f"{len(shown)} tags share {group.period:.3g} s (share of variance{more}{red})")
     ax.tick_params(axis="y", labelsize=7.5, length=0)
 
 
@@ -69,7 +68,4 @@ def _suspect(ax: "Axes", survey: "Survey", group: "Group") -> None:
     settled = log.t >= log.t[0] + 0.3 * log.duration
     step = max(1, int(settled.sum()) // POINTS)
     ax.plot(op[settled][::step], x[settled][::step], color=SOFT, lw=0.6, marker=".", ms=2)
-    ax.set_xlabel(f"OP of {suspect.loop}")
-    ax.set_ylabel(suspect.seen_in)
-    ax.set_title(f"answers after {suspect.S:.2g} % of OP", loc="left", fontsize=9)
-    tidy(ax)
+    finish(ax, f"OP of {suspect.loop}", suspect.seen_in, f"answers after {suspect.S:.2g} % of OP")

@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE, tidy
+from stickslip.detect.figures.verdict import finish
+from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE
 from stickslip.logs.thinned import thinned
 from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_panel
@@ -36,9 +37,7 @@ def plot_valve_test(test: "ValveTest") -> "Figure":
         right.plot(places[:, 0], places[:, 1], "-o", color=GREEN, ms=3, lw=0.7)
     else:
         right.plot(op[-POINTS:], answer[-POINTS:], color=GREEN, lw=0.6)
-    right.set_xlabel("OP [%]")
-    right.set_ylabel(f"{test.answer} at rest" if test.steps else test.answer)
-    tidy(right)
+    finish(right, "OP [%]", f"{test.answer} at rest" if test.steps else test.answer)
     figure.suptitle(" ".join((f"{test.name}:", *test.words[:2])), x=0.01, ha="left", fontsize=10)
     return figure
 
@@ -90,7 +89,5 @@ def plot_responses(test: "ValveTest") -> "Figure | None":
                     ha="right", fontsize=7.5, color=FIT)  # fmt: skip
     ax.set_xlim(-BEFORE * slow / scale, AFTER * slow / scale)
     ax.set_ylim(-0.25, 1.5)
-    ax.set_xlabel(f"time since the step [{unit}]")
-    ax.set_ylabel(f"{test.answer}, share of its change [-]")
-    tidy(ax)
+    finish(ax, f"time since the step [{unit}]", f"{test.answer}, share of its change [-]")
     return figure

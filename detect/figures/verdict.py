@@ -71,12 +71,9 @@ def draw_half_cycles(v: Verdict, figure: "FigureBase") -> None:
         left.plot([], [], color=UNUSED, lw=6, label="left out: unlike the others")
     if len(start) and start[0] > np.nanmin(t):
         left.plot([], [], color=FIT, lw=0.8, label="not whole")
-    legend(left)
     left.margins(x=0.01, y=0.05)
     some = f"; the first {CYCLES} of {len(start)} half cycles" if len(start) > CYCLES else ""
-    left.set_xlabel(f"time [s]{some}")
-    left.set_ylabel("e = SP - PV, centred")
-    tidy(left)
+    finish(left, f"time [s]{some}", "e = SP - PV, centred", named=True)
     _draw_ratios(v, right, used)
 
 
@@ -86,6 +83,16 @@ def legend(axes: "Axes") -> None:
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8.5, borderpad=0.1,
         handlelength=1.6, columnspacing=1.2,
     )  # fmt: skip
+
+
+def finish(axes: "Axes", x: str = "", y: str = "", title: str = "", named: bool = False) -> None:
+    """Label a panel, name its lines if they are ``named``, and leave it no more lines than it needs."""
+    axes.set(**{of: text for of, text in (("xlabel", x), ("ylabel", y)) if text})
+    if title:
+        axes.set_title(title, fontsize=9, loc="left")
+    if named:
+        legend(axes)
+    tidy(axes)
 
 
 def _draw_ratios(v: Verdict, axes: "Axes", used: Mask) -> None:
@@ -115,8 +122,7 @@ def _draw_ratios(v: Verdict, axes: "Axes", used: Mask) -> None:
     ticks = [r for r in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if low <= r <= high]
     axes.set_yticks(ticks, [f"{r:g}" for r in ticks])
     axes.minorticks_off()
-    axes.set_title("R = A1 / A2, with 90 % band", fontsize=9, loc="left")
-    tidy(axes)
+    finish(axes, "", "", "R = A1 / A2, with 90 % band")
 
 
 def _at_line(axes: "Axes", height: float, text: str) -> None:

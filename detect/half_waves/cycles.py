@@ -101,8 +101,7 @@ def cut(
     """
     p = p or Params()
     facts = conditions.examine(record) if facts is None else facts
-    refusal = preconditions(record, facts)
-    if refusal is not None:
+    if refusal := preconditions(record, facts):
         return refusal
     pieces = pieces_of(record, p.gate) if pieces is None else pieces
     t, gate = pieces.longest[0], pieces.gate
@@ -121,8 +120,7 @@ def cut(
             f"The period of {gate.period:.4g} s has {gate.period / dt:.1f} samples; "
             f"at least {2 * (SAMPLES_MIN + 1)} are needed to see where a peak sits.",
         )
-    refusal = _drawn(record, facts, gate.period, dt)
-    if refusal is not None:
+    if refusal := _drawn(record, facts, gate.period, dt):
         return refusal
     notes: list[str] = []
     centre = "SP"

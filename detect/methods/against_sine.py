@@ -52,8 +52,7 @@ class AgainstSine:
 
     def seen(self, loop: Prepared) -> Pool | Verdict:
         """The errors and the parameter of every half wave, or why the record is refused."""
-        refusal = refused(self.card, loop, self.threshold)
-        if refusal is not None:
+        if refusal := refused(self.card, loop, self.threshold):
             return refusal
         halves = loop.half_waves(self.signal)
         t = loop.stretch.t

@@ -237,8 +237,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'inconclusive'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.nli_min)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.nli_min):
         return refusal
     each = max(1, math.ceil(loop.samples_per_period / p.per_period))
     e, op, pv = (_means(loop.signal(name), each, p.samples) for name in ("E", "OP", "PV"))

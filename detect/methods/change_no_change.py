@@ -125,8 +125,7 @@ def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, Indices]:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The intervals (samples and travel of OP over each) and the turns of OP (no samples, no travel)."""
-    refusal = refused(CARD, loop, p.rho_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rho_stiction):
         return refusal
     grid = loop.whole
     if len(grid) < p.samples:
@@ -176,23 +175,17 @@ remember, recall = pooled(_seen, _judged, most=800)
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time, with the intervals that count shaded."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
     top, low = figure.subplots(2, 1, sharex=True)
     shown = slice(0, 800)
     t = v.array("t")[shown]
     top.plot(t, v.array("u")[shown], color=INK)
-    top.set_ylabel("OP")
     low.plot(t, v.array("y")[shown], color=INK)
-    low.set_ylabel("MV" if v.array("mv")[0] else "PV")
     for a, b in zip(v.array("first"), v.array("last"), strict=True):
         if a < t[-1]:
             for axes in (top, low):
                 axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
-    low.set_xlabel("time [s]")
-    for axes in (top, low):
-        tidy(axes)
+    finish(top, "", "OP")
+    finish(low, "time [s]", "MV" if v.array("mv")[0] else "PV")

@@ -142,8 +142,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """r at ``LAGS`` of the period, once for the stretch, and its length [s]."""
-    refusal = refused(CARD, loop, p.tau_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.tau_stiction):
         return refusal
     t, period = loop.stretch.t, loop.samples_per_period
     r = correlation(loop.wave("OP"), loop.wave("PV"), period)
@@ -195,19 +194,14 @@ def _word(found: Symmetry, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """r over the lag, with the crossings on either side of zero."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("r")):
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     ax.axhline(0.0, color=SOFT, lw=0.8)
     ax.axvline(0.0, color=SOFT, lw=0.8)
     ax.plot(v.array("lag"), v.array("r"), color=INK)
     for name, sign in (("tau_l", -1.0), ("tau_r", 1.0)):
         ax.plot(sign * v.array(name), [0.0], "o", color=INK)
-    ax.set_xlabel("lag of PV behind OP [s]")
-    ax.set_ylabel("cross-correlation r [-]")
     ax.set_title(f"d_tau = {v.array('d_tau')[0]:.2f}: 1 is odd (valve), 0 is even (others)", loc="left")
-    tidy(ax)
+    finish(ax, "lag of PV behind OP [s]", "cross-correlation r [-]")

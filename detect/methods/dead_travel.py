@@ -65,8 +65,7 @@ class Params:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """Return the verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.gain)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.gain):
         return refusal
     found = loop.dead_travel
     if found is None or loop.stems is None:
@@ -97,13 +96,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 def draw(verdict: Verdict, figure: FigureBase) -> None:
     """OP with the likeliest stem, the gain of every S, and what each tenth of the record adds to it."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT
     from stickslip.logs.time_axis import TimeAxis
 
-    if not len(verdict.array("u")):
-        draw_reason(verdict.reason, figure)
-        return
     e = {name: float(value) for name, value in verdict.evidence.items() if np.ndim(value) == 0}
     left, middle, right = figure.subplots(1, 3, width_ratios=[2.0, 1.2, 1.0])
     unit = "% of OP" if e["percent"] else "unit of OP"
@@ -114,9 +110,6 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     left.plot(axis.at(t), verdict.array("u")[last], color=SOFT, label="OP")
     left.plot(axis.at(t), verdict.array("x")[last], color=COLOURS["MV"], label="likeliest stem that sticks")
     axis.finish(left, float(t[0]), float(t[-1]))
-    left.set_ylabel(f"OP [{unit.removesuffix(' of OP')}]")
-    left.set_title(f"S = {e['S']:.2g}, J = {e['J']:.2g} {unit}", fontsize=9, loc="left")
-    legend(left)
     middle.axvspan(e["S_low"], e["S_high"], color=SHADE, lw=0)
     middle.axhline(0.0, color=PALE, lw=0.8)
     middle.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
@@ -125,13 +118,10 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     middle.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     middle.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     middle.xaxis.set_minor_formatter(NullFormatter())
-    middle.set_xlabel(f"S [{unit}]")
-    middle.set_title("gain over the best rival [nats]", fontsize=9, loc="left")
     tenths = verdict.array("tenths")
     right.bar(np.arange(1, len(tenths) + 1), tenths, color=[INK if value > 0.0 else PALE for value in tenths])
     right.axhline(0.0, color=PALE, lw=0.8)
     right.set_xticks(range(2, 11, 2))
-    right.set_xlabel("tenth of the record")
-    right.set_title("where it is gained [nats]", fontsize=9, loc="left")
-    for axes in (left, middle, right):
-        tidy(axes)
+    finish(left, "", f"OP [{unit.removesuffix(' of OP')}]", f"S = {e['S']:.2g}, J = {e['J']:.2g} {unit}", named=True)
+    finish(middle, f"S [{unit}]", "", "gain over the best rival [nats]")
+    finish(right, "tenth of the record", "", "where it is gained [nats]")

@@ -149,8 +149,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """How many values of the derivative fall into each bin, and the share of noise, for each period."""
-    refusal = refused(CARD, loop, p.q_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.q_stiction):
         return refusal
     x, t = loop.wave("PV", p.cut), loop.stretch.t
     order = _order(loop)
@@ -224,19 +223,12 @@ def _word(found: Humps, share: float, p: Params) -> tuple[Word, str]:
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The histogram with the bell and the two humps."""
     from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "density" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     x = v.array("x")
     ax.bar(x, v.array("density"), width=x[1] - x[0], color=WAVE)
     ax.plot(x, v.array("bell"), color=OTHER, lw=1.6, label="bell")
     ax.plot(x, v.array("humps"), color=SINE, lw=1.6, ls="--", label="humps of a sine")
-    ax.set_xlabel(f"derivative {v.array('order')[0]:.0f} of PV [standard deviations]")
-    ax.set_ylabel("density [-]")
-    ax.set_title("values of the derivative", fontsize=9, loc="left")
-    legend(ax)
-    tidy(ax)
+    below = f"derivative {v.array('order')[0]:.0f} of PV [standard deviations]"
+    finish(ax, below, "density [-]", "values of the derivative", named=True)

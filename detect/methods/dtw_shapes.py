@@ -147,8 +147,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 1.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.cycles_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.cycles_stiction):
         return refusal
     found: dict[str, Values] = {}
     signals: tuple[Signal, ...] = ("OP", "PV")
@@ -194,19 +193,11 @@ def _word(index: float, sines: float, level: bool, p: Params) -> tuple[Word, str
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The cycles of OP and PV with the template that most of them are nearest to."""
     from stickslip.detect.figures.half_waves import OTHER, WAVE
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "phase" not in v.evidence or "PV cycles" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     names, shapes = templates()
     for ax, signal in zip(figure.subplots(1, 2, sharey=True), ("OP", "PV"), strict=True):
         k = int(v.array(f"{signal} template")[0])
         ax.plot(v.array("phase"), v.array(f"{signal} cycles").T, color=WAVE, lw=0.6)
         ax.plot(v.array("phase"), shapes[k], color=OTHER, lw=1.6, label=names[k])
-        ax.set_xlabel("phase of the cycle [-]")
-        ax.set_ylabel(f"{signal} [standard deviations]")
-        ax.set_title(f"cycles of {signal}", fontsize=9, loc="left")
-        legend(ax)
-        tidy(ax)
+        finish(ax, "phase of the cycle [-]", f"{signal} [standard deviations]", f"cycles of {signal}", named=True)

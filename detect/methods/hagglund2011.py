@@ -172,8 +172,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.I_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.I_stiction):
         return refusal
     record = loop.record
     if record.sp is None:

@@ -191,8 +191,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'stiction'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.gain_min)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.gain_min):
         return refusal
     grid = loop.stretch
     each = max(1, round(loop.samples_per_period / p.per_period))
@@ -279,21 +278,16 @@ def _extremes(x: Values, each: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and the model over time, and F over the triangle of S and J with its region of confidence."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("y")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     shown = slice(0, 250)
     t = float(v.array("dt")[0]) * np.arange(len(v.array("y")))
     left.plot(t[shown], v.array("y")[shown], color=SOFT, lw=2.5, alpha=0.6, label="PV")
     left.plot(t[shown], v.array("simulated")[shown], color=INK, lw=1.0, label="model with valve")
-    left.set_xlabel("time [s]")
-    left.set_ylabel("PV, slow part off")
     left.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    tidy(left)
+    finish(left, "time [s]", "PV, slow part off")
     S, J, F = v.array("all_S"), v.array("all_J"), v.array("all_F")
     order = np.argsort(F)
     points = right.scatter(S[order], J[order], c=F[order], s=28, cmap="viridis")
@@ -301,6 +295,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
     right.plot(S[inside], J[inside], "o", ms=8, mfc="none", mec=INK, label="region of confidence")
     right.legend(frameon=False, fontsize=8.5, loc="upper left")
     figure.colorbar(points, ax=right, label="F [%]")
-    right.set_xlabel("S [% of OP]")
-    right.set_ylabel("J [% of OP]")
-    tidy(right)
+    finish(right, "S [% of OP]", "J [% of OP]")

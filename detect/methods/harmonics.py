@@ -133,8 +133,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The amplitudes of OP and PV in every block, real parts and then imaginary ones, (B, 12)."""
-    refusal = refused(CARD, loop, p.c3)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.c3):
         return refusal
     op, pv = loop.wave("OP", 0.0), loop.wave("PV", 0.0)
     length = round(p.periods * loop.samples_per_period)
@@ -190,13 +189,10 @@ def _level(op: Harmonics, pv: Harmonics, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """a_3 over a_1 of every block in the complex plane, turned so that a triangle lies right and a square left."""
-    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.detect.figures.verdict import finish
     from stickslip.logs.figures import COLOURS
-    from stickslip.logs.style import FIT, SOFT, tidy
+    from stickslip.logs.style import FIT, SOFT
 
-    if "op_re" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     ax.axhline(0.0, color=SOFT, lw=0.8)
     ax.axvline(0.0, color=SOFT, lw=0.8)
@@ -207,8 +203,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         ax.plot([x], [0.0], "+", ms=12, color=FIT)
         ax.annotate(text, (x, 0.0), (0.0, 8.0), textcoords="offset points", ha="center", fontsize=8)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel("third harmonic in phase with the first [-]")
-    ax.set_ylabel("out of phase [-]")
-    ax.set_title("a_3 / a_1 of every block", fontsize=9, loc="left")
-    legend(ax)
-    tidy(ax)
+    finish(ax, "third harmonic in phase with the first [-]", "out of phase [-]", "a_3 / a_1 of every block", named=True)

@@ -109,8 +109,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.G_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.G_stiction):
         return refusal
     found = flow_loops(loop, p.tau)
     return judged(CARD, loop, found, found, p.G_stiction, p, f"with tau = {p.tau * loop.period:.4g} s", draw)

@@ -205,8 +205,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 4.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.width)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.width):
         return refusal
     grid = loop.whole
     if len(grid) < p.samples:
@@ -253,23 +252,15 @@ def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV (or PV) picture with the fitted parallelogram, and the correlation over the width."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2)
     y, x, slope = v.array("y"), v.array("x"), float(v.array("slope")[0])
     left.plot(v.array("u")[::2], y[::2], ".", ms=2, color=SOFT)
     left.plot(v.array("u"), np.mean(y) + slope * (x - np.mean(x)), color=INK, lw=0.8)
-    left.set_xlabel("OP")
-    left.set_ylabel("MV" if v.array("mv")[0] else "PV")
     right.plot(v.array("sizes"), v.array("rho"), color=INK)
     right.axhline(v.array("rho_without")[0], color=SOFT, ls=":")
     right.axvline(v.array("width")[0], color=SOFT, ls="--")
-    right.set_xlabel("width of the play [unit of OP]")
-    right.set_ylabel("correlation [-]")
-    right.set_title("dotted: OP alone with its best lag", fontsize=9, loc="left")
-    for axes in (left, right):
-        tidy(axes)
+    finish(left, "OP", "MV" if v.array("mv")[0] else "PV")
+    finish(right, "width of the play [unit of OP]", "correlation [-]", "dotted: OP alone with its best lag")

@@ -115,8 +115,7 @@ def _blocks(grid: Grid, turn: float, points: int) -> tuple[int, Values, Values, 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.ratio)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.ratio):
         return refusal
     grid = loop.whole
     if len(grid) < p.samples:
@@ -222,30 +221,21 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the fitted stem, PV with both fits, and how the fit worsens away from the best S."""
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 2, width_ratios=(3, 1))
     top, low, right = (figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[:, 1]))
     shown = slice(0, 600)
     t, y = v.array("t")[shown], v.array("y")[shown]
     top.plot(t, v.array("u")[shown], color=SOFT, label="OP")
     top.plot(t, v.array("x")[shown], color=INK, label="stem, fitted")
-    top.set_ylabel("OP")
     low.plot(t, y, color=SOFT, label="PV, load off")
     low.plot(t, y - v.array("linear")[shown], color=INK, ls=":", label="without play")
     low.plot(t, y - v.array("played")[shown], color=INK, label="with play")
-    low.set_ylabel("PV")
-    low.set_xlabel("time [s]")
     right.plot(v.array("sizes"), v.array("loss"), ".-", color=INK)
     if np.max(v.array("loss")) > 10.0:
         right.set_yscale("symlog", linthresh=10.0)
-    right.set_xlabel("S [unit of OP]")
-    right.set_title("loss of log-likelihood", fontsize=9, loc="left")
-    for axes in (top, low):
-        legend(axes)
-    for axes in (top, low, right):
-        tidy(axes)
+    finish(top, "", "OP", named=True)
+    finish(low, "time [s]", "PV", named=True)
+    finish(right, "S [unit of OP]", "", "loss of log-likelihood")

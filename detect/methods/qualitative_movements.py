@@ -189,8 +189,7 @@ def _signals(p: Params, loop: Prepared) -> tuple[Values, Values, Values, float, 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The runs of equal movements."""
-    refusal = refused(CARD, loop, p.rho)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rho):
         return refusal
     t, u, x, _, _ = _signals(p, loop)
     runs, _, starts = _runs(u, x, p.level)
@@ -242,12 +241,9 @@ def _word(found: Movements, chance: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem over time with the sticking pairs (IS, DS) marked."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
     top, low = figure.subplots(2, 1, sharex=True)
     t, stuck = v.array("t")[:300], np.abs(v.array("pairs")[:299]) == 3.0
     for axes, name, label in ((top, "u", "OP"), (low, "x", "MV" if v.array("mv")[0] else "PV")):
@@ -255,7 +251,6 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         axes.plot(t, y, color=SOFT)
         at = np.flatnonzero(stuck[: len(t) - 1])
         axes.plot([t[at], t[at + 1]], [y[at], y[at + 1]], color=INK, lw=2.5)
-        axes.set_ylabel(label)
-        tidy(axes)
+        finish(axes, "", label)
     top.set_title("heavy: OP moves, the stem stands (IS, DS)", fontsize=9, loc="left")
     low.set_xlabel("time [s]")

@@ -96,8 +96,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 1.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.cycles_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.cycles_stiction):
         return refusal
     signal: Signal = "PV" if loop.integrating else "OP"
     points = min(p.points, int(loop.samples_per_period))  # more would be joined by lines, which are straight
@@ -151,12 +150,8 @@ def _evidence(cycles: Values, words: list[tuple[Piece, ...]], signal: Signal) ->
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The first cycles, each piece with its letter."""
     from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "pieces" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     y, points = v.array("y"), v.array("points")[0]
     x = np.arange(len(y)) / points
@@ -169,7 +164,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         ax.annotate(name, (x[(start + stop) // 2 if stop < len(x) else (start + len(x) - 1) // 2], 1.15 * high),
                     ha="center", fontsize=8, color=colour)  # fmt: skip
     ax.set_ylim(-1.15 * high, 1.35 * high)
-    ax.set_xlabel("cycle [-]")
-    ax.set_ylabel(f"{signal}, drift off")
-    ax.set_title("straight (C F), bent (B D E G) and level (A) pieces", fontsize=9, loc="left")
-    tidy(ax)
+    finish(ax, "cycle [-]", f"{signal}, drift off", "straight (C F), bent (B D E G) and level (A) pieces")

@@ -90,8 +90,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """Number of values of d, means of d, d^2, d^3 and d^4 and the share of noise, in ``parts`` of the stretch."""
-    refusal = refused(CARD, loop, p.kurtosis)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.kurtosis):
         return refusal
     y, t = loop.wave("PV"), loop.stretch.t
     d = np.diff(y, 2)
@@ -138,25 +137,18 @@ def _word(K: float, half: float, share: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and its second difference over time, and the distribution of the latter."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("d")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 2, width_ratios=(3, 1))
     top, low, right = (figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[:, 1]))
     t, d = v.array("t"), v.array("d") / np.std(v.array("d"))
     shown = slice(0, 2000)
     top.plot(t[shown], v.array("y")[shown], color=INK)
-    top.set_ylabel("PV, smoothed")
     low.plot(t[1:-1][shown], d[shown], color=INK)
-    low.set_ylabel("second difference [std]")
-    low.set_xlabel("time [s]")
     right.hist(d, 60, density=True, color=SOFT)
     x = np.linspace(-4.0, 4.0, 200)
     right.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color=INK, ls=":")
-    right.set_xlabel("second difference [std]")
-    right.set_title("dotted: normal", fontsize=9, loc="left")
-    for axes in (top, low, right):
-        tidy(axes)
+    finish(top, "", "PV, smoothed")
+    finish(low, "time [s]", "second difference [std]")
+    finish(right, "second difference [std]", "", "dotted: normal")

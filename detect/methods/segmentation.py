@@ -172,8 +172,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'inconclusive'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.rate_high)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rate_high):
         return refusal
     grid = loop.whole
     per_period = loop.samples_per_period if math.isfinite(loop.period) else math.nan
@@ -224,20 +223,14 @@ def _word(rate: float, stay: float, gain: float, needed: float, p: Params) -> tu
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the stem below it, and PV."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("stem")):
-        draw_reason(v.reason, figure)
-        return
     upper, lower = figure.subplots(2, 1, sharex=True)
     t = v.array("t")[:400]
     upper.plot(t, v.array("op")[:400], color=SOFT, lw=1.0, label="OP")
     upper.step(t, v.array("stem")[:400], where="post", color=INK, lw=1.2, label="stem, most likely")
     upper.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    upper.set_ylabel("OP")
     lower.plot(t, v.array("pv")[:400], color=INK, lw=0.9)
-    lower.set_ylabel("PV")
-    lower.set_xlabel("time [s]")
-    for ax in (upper, lower):
-        tidy(ax)
+    finish(upper, "", "OP")
+    finish(lower, "time [s]", "PV")

@@ -67,8 +67,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.G_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.G_stiction):
         return refusal
     shift = p.shift * loop.period
     found = loops(loop, loop.wave("PV", SMOOTHED_AT), shift)

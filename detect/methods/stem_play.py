@@ -95,8 +95,7 @@ class Params:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.slip)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.slip):
         return refusal
     limited = next((fact for fact in loop.present if fact.code == "op_saturated"), None)
     if limited is not None and loop.record.op_span is None:
@@ -189,33 +188,28 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV picture, both over time with the stands shaded, and S and J of every stand."""
-    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.detect.figures.verdict import finish
     from stickslip.logs.style import INK, SOFT, tidy
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 3, width_ratios=(2, 3, 1))
     left, top, low = (figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]))
     right = figure.add_subplot(grid[:, 2])
     t, u, mv = v.array("t")[:600], v.array("u"), v.array("mv")
     left.plot(u[:3000], mv[:3000], color=SOFT, lw=0.6, marker=".", ms=2)
-    left.set_xlabel("OP")
-    left.set_ylabel("MV")
     for axes, y, name in ((top, u, "OP"), (low, mv, "MV")):
         axes.plot(t, y[:600], color=INK)
         axes.set_ylabel(name)
         for a, b in zip(v.array("first"), v.array("last"), strict=True):
             if a < t[-1]:
                 axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
-    low.set_xlabel("time [s]")
     rng = np.random.default_rng(0)
     for x, name in ((0.0, "S"), (1.0, "J")):
         each = v.array(f"{name}_each")
         right.plot(x + rng.uniform(-0.15, 0.15, len(each)), each, "o", ms=3, color=SOFT)
         right.errorbar([x], v.array(name), color=INK, fmt="_", ms=16)
     right.set_xticks([0, 1], ["S", "J"])
-    right.set_title("% of OP", fontsize=9, loc="left")
     right.set_ylim(bottom=0.0)
-    for axes in (left, top, low, right):
-        tidy(axes)
+    tidy(top)
+    finish(left, "OP", "MV")
+    finish(low, "time [s]")
+    finish(right, "", "", "% of OP")

@@ -110,8 +110,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     True
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.limit)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.limit):
         return refusal
     period = min(round(loop.samples_per_period), p.per_period)
     x = _whole_cycles(loop, period, p.samples // period)
@@ -154,20 +153,14 @@ def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The wave and one of its twins; the forecast errors of all twins, and of the record."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("x")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     left.plot(v.array("x")[:200], color=INK, lw=1.0, label="PV, drift off, z-scored")
     left.plot(v.array("twin")[:200] - 5.0, color=SOFT, lw=1.0, label="a linear twin (5 lower)")
     left.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    left.set_xlabel("sample")
     right.hist(v.array("twins"), bins=12, color=SOFT, alpha=0.6)
     right.axvline(float(v.array("gamma")[0]), color=INK)
-    right.set_xlabel("forecast error: linear twins, and the record (line)")
-    right.set_ylabel("twins")
-    for ax in (left, right):
-        tidy(ax)
+    finish(left, "sample")
+    finish(right, "forecast error: linear twins, and the record (line)", "twins")

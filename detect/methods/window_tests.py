@@ -142,8 +142,7 @@ def flags(u: Values, y: Values, w: int, alpha: float = 0.05) -> Flags:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.omega)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.omega):
         return refusal
     grid = loop.stretch
     if len(grid) < p.samples:
@@ -197,20 +196,16 @@ def _word(omega: float, opposite: float, chance: float, turned: int, name: str, 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time with the flagged windows shaded."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
     top, low = figure.subplots(2, 1, sharex=True)
     t, w = v.array("t"), int(v.array("w")[0])
     shown = slice(0, min(800, len(t)))
     for axes, name, label in ((top, "u", "OP"), (low, "y", "MV" if v.array("mv")[0] else "PV")):
         axes.plot(t[shown], v.array(name)[shown], color=INK)
-        axes.set_ylabel(label)
         for k in np.flatnonzero(v.array("flagged")) + 1:
             if (k + 1) * w <= shown.stop:
                 axes.axvspan(t[k * w], t[(k + 1) * w - 1], color=SOFT, alpha=0.3, lw=0)
-        tidy(axes)
+        finish(axes, "", label)
     low.set_xlabel("time [s]")
