@@ -75,18 +75,9 @@ def _all(methods: Sequence[Method] | None) -> Sequence[Method]:
 
 def _card_row(card: Card) -> list[str]:
     return [
-        card.name,
-        card.title,
-        card.source,
-        ", ".join(card.signals),
-        ", ".join(card.process).replace("_", "-"),
-        "; ".join(card.assumes),
-        card.finds,
-        card.streams,
-        card.cost,
-        "; ".join(card.pros),
-        "; ".join(card.cons),
-    ]
+        card.name, card.title, card.source, ", ".join(card.signals), ", ".join(card.process).replace("_", "-"),
+        "; ".join(card.assumes), card.finds, card.streams, card.cost, "; ".join(card.pros), "; ".join(card.cons),
+    ]  # fmt: skip
 
 
 def _rate_row(name: str, row: ThesisRow | None, rate: Rate | None) -> list[str]:

@@ -94,14 +94,10 @@ def _score(method: str, words: Mapping[str, list[str]], sticky: Mapping[str, boo
     calls = {tag: _called(own) for tag, own in words.items()}
     accused = [tag for tag, call in calls.items() if call is True]
     return Score(
-        method,
-        sum(sticky[tag] for tag in calls),
-        sum(not sticky[tag] for tag in calls),
-        sum(sticky[tag] for tag in accused),
-        sum(not sticky[tag] for tag in accused),
-        sum(call is sticky[tag] for tag, call in calls.items()),
-        sum(call is None for call in calls.values()),
-    )
+        method, sum(sticky[tag] for tag in calls), sum(not sticky[tag] for tag in calls),
+        sum(sticky[tag] for tag in accused), sum(not sticky[tag] for tag in accused),
+        sum(call is sticky[tag] for tag, call in calls.items()), sum(call is None for call in calls.values()),
+    )  # fmt: skip
 
 
 def _called(words: list[str]) -> bool | None:

@@ -91,14 +91,9 @@ class Buffer:
         """The rows as a loop record."""
         rows = self.rows()
         record = LoopRecord.from_arrays(
-            rows[:, 0],
-            pv=rows[:, 1],
-            op=rows[:, 2],
-            sp=rows[:, 3] if facts.has_sp else None,
-            mode=rows[:, 4],
-            name=facts.name,
-            op_span=facts.op_span,
-        )
+            rows[:, 0], pv=rows[:, 1], op=rows[:, 2], sp=rows[:, 3] if facts.has_sp else None, mode=rows[:, 4],
+            name=facts.name, op_span=facts.op_span,
+        )  # fmt: skip
         return replace(record, process=facts.process, measurement=facts.measurement)  # type: ignore[arg-type]
 
 

@@ -154,16 +154,10 @@ class Verdict(Shown):
         """Plain values for JSON: no NaN, no arrays, no evidence."""
         interval = None if self.interval is None else [_finite(bound) for bound in self.interval]
         return {
-            "name": self.method,
-            "verdict": self.verdict,
-            "index": _finite(self.index),
-            "threshold": _finite(self.threshold),
-            "reason": self.reason,
-            "code": self.code,
-            "interval": interval,
-            "amount_percent_op": _finite(self.amount_percent_op),
-            "experimental": self.experimental,
-        }
+            "name": self.method, "verdict": self.verdict, "index": _finite(self.index),
+            "threshold": _finite(self.threshold), "reason": self.reason, "code": self.code, "interval": interval,
+            "amount_percent_op": _finite(self.amount_percent_op), "experimental": self.experimental,
+        }  # fmt: skip
 
     def plot(self) -> "Figure":
         """The evidence as the method draws it, with the reason below."""

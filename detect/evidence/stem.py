@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.verdict import Verdict
 from stickslip.logs.arrays import Values
 from stickslip.logs.trend import rests
@@ -85,10 +86,9 @@ def stem_trend(verdicts: Sequence[Verdict], record: "LoopRecord | None" = None) 
 
 def _stands(t: Values, mv: Values, travel: float) -> Values:
     """From where to where (k, 2) [s] a stem stands: it moves by next to nothing of the ``travel`` from row to row."""
-    still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL_SHARE * travel, [False]])
-    edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
-    long = [(first, last) for first, last in edges.tolist() if last - first >= STICK_SAMPLES_MIN]
-    return np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
+    first, last = runs(np.abs(np.diff(mv)) <= STILL_SHARE * travel)
+    long = last - first >= STICK_SAMPLES_MIN
+    return np.column_stack([t[first[long]], t[last[long]]])
 
 
 def _moving(t: Values, op: Values, stands: Values) -> Values:

@@ -62,16 +62,9 @@ def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) 
     from stickslip.detect.half_waves.half_cycle_kernels import FAULTS, half_cycle
 
     fault, peak_time, peak, before, after, samples, sine, triangle = half_cycle(
-        np.ascontiguousarray(t),
-        np.ascontiguousarray(x),
-        start,
-        end,
-        noise,
-        SAMPLES_MIN,
-        FLAT_SHARE,
-        TWO_PEAKS_SHARE,
+        np.ascontiguousarray(t), np.ascontiguousarray(x), start, end, noise, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS_SHARE,
         KINK,
-    )
+    )  # fmt: skip
     return HalfCycle(start, peak_time, end, peak, before, after, samples, sine, triangle, FAULTS[fault])
 
 

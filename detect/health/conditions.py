@@ -34,20 +34,10 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
     if first[-1].present:
         return first  # of such numbers nothing else can be worked out
     return (
-        *first,
-        constant(record, "PV"),
-        constant(record, "OP"),
-        asleep(record),
-        frozen(record),
-        copied(record),
-        unresponsive(record),
-        stale(record),
-        saturated(record),
-        set_point(record),
-        quantised(record),
-        compressed(record),
-        untracked(record),
-    )
+        *first, constant(record, "PV"), constant(record, "OP"), asleep(record), frozen(record), copied(record),
+        unresponsive(record), stale(record), saturated(record), set_point(record), quantised(record),
+        compressed(record), untracked(record),
+    )  # fmt: skip
 
 
 def manual(record: LoopRecord, limit: float = 0.5) -> Fact:
@@ -177,8 +167,6 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
     the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.
     """
-    from stickslip.detect.signals.kernels import on_grid
-
     x = _good(record, record.pv)
     moves = np.abs(np.diff(x))
     counted = moves > 1e-9 * float(np.max(np.abs(x))) if len(x) else moves > 0.0
@@ -187,12 +175,18 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
         return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.", judged=False)
     step = percentile(moves, 1.0)
     levels = float(np.ptp(x)) / step
-    if not on_grid(x, step, 0.05, 0.9):
+    if not on_grid(x, step):
         return Fact("quantised", False, levels, limit, "PV is not on a grid.")
     text = f"PV moves in steps of {step:.4g}, {levels:.0f} levels in its swing ({limit:.0f} needed)."
     return Fact(
         "quantised", levels < limit, levels, limit, text, "Log PV with all the digits that the transmitter has."
     )
+
+
+def on_grid(x: Values, step: float) -> bool:
+    """Whether nine in ten of the values (n,) lie within 5 % of a ``step`` of a grid through the first."""
+    place = (x - x[0]) / step
+    return bool(np.mean(np.abs(place - np.round(place)) < 0.05) >= 0.9 - 1e-9)
 
 
 def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:

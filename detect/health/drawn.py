@@ -61,9 +61,8 @@ def controlled_as_logged(record: LoopRecord) -> bool:
 
 
 def _bends(t: Values, x: Values) -> tuple[Values, Mask]:
-    from stickslip.detect.signals.kernels import bends, curving
-
-    bend, curved = np.empty(len(x) - 2), np.empty(len(x) - 2, dtype=np.bool_)
-    bends(t, x, bend)
-    curving(bend, curved)
-    return bend, curved
+    """How far each sample lies off the line between its neighbours, and where that bend has their sign and size."""
+    bend = np.diff(x)[:-1] - (x[2:] - x[:-2]) * (np.diff(t)[:-1] / (t[2:] - t[:-2]))
+    here = np.where(bend == 0.0, np.nan, bend)
+    around = [np.concatenate([bend[:1], bend[:-1]]) / here, np.concatenate([bend[1:], bend[-1:]]) / here]
+    return bend, np.all([(beside >= 0.5) & (beside <= 2.0) for beside in around], axis=0)

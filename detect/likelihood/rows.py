@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.stem.recent import blocks, recent
 from stickslip.detect.stem.stick import turns
 from stickslip.logs.arrays import Mask, Values
@@ -87,8 +88,7 @@ def rows_of(op: Values, pv: Values) -> Rows | None:
 
 def _runs(x: Mask, least: int) -> Mask:
     """True in the runs of at least so many True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], x.astype(np.int8), [0]])))
     found = np.zeros(len(x), dtype=np.bool_)
-    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        found[first:last] = last - first >= least
+    for first, end in zip(*runs(x), strict=True):
+        found[first:end] = end - first >= least
     return found

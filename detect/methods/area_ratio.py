@@ -38,6 +38,7 @@ from stickslip.detect.half_waves import cycles
 from stickslip.detect.half_waves.cycles import Cycles, Refusal
 from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN, HalfCycle
 from stickslip.detect.half_waves.lateness import Lateness, lag_of, lateness
+from stickslip.detect.half_waves.lateness import closed_form as closed_form
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
@@ -252,18 +253,14 @@ def _near_one(high: float, half_period: float, triangular: bool) -> str:
 
 def _evidence(half_cycles: tuple[HalfCycle, ...], seen: Cycles) -> dict[str, Values | float]:
     return {
-        "t": seen.t,
-        "e": seen.e,
-        "start": np.array([half.start for half in half_cycles]),
+        "t": seen.t, "e": seen.e, "start": np.array([half.start for half in half_cycles]),
         "peak_time": np.array([half.peak_time for half in half_cycles]),
-        "end": np.array([half.end for half in half_cycles]),
-        "peak": np.array([half.peak for half in half_cycles]),
+        "end": np.array([half.end for half in half_cycles]), "peak": np.array([half.peak for half in half_cycles]),
         "area_before": np.array([half.area_before for half in half_cycles]),
         "area_after": np.array([half.area_after for half in half_cycles]),
-        "used": np.array([float(not half.fault) for half in half_cycles]),
-        "period": seen.period,
+        "used": np.array([float(not half.fault) for half in half_cycles]), "period": seen.period,
         "regularity": seen.regularity,
-    }
+    }  # fmt: skip
 
 
 # ---- streaming twin ----------------------------------------------------------------------------------------

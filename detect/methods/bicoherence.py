@@ -40,6 +40,7 @@ from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.surrogates import end_matched, phase_randomised
+from stickslip.detect.stem.recent import blocks
 from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
@@ -240,7 +241,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     if refusal := refused(CARD, loop, p.nli_min):
         return refusal
     each = max(1, math.ceil(loop.samples_per_period / p.per_period))
-    e, op, pv = (_means(loop.signal(name), each, p.samples) for name in ("E", "OP", "PV"))
+    e, op, pv = (blocks(loop.signal(name)[: each * p.samples], each) for name in ("E", "OP", "PV"))
     period = loop.samples_per_period / each
     part = end_matched(e, period)
     x = e[part]
@@ -313,11 +314,6 @@ def _most_regular(x: Values, period: float, cycles: float = 8.0) -> slice:
     alike = [float(np.corrcoef(x[a : a + length], x[a + shift : a + shift + length])[0, 1]) for a in starts]
     best = starts[int(np.argmax(alike))]
     return slice(best, best + length)
-
-
-def _means(x: Values, each: int, most: int) -> Values:
-    n = min(len(x) // each, most)
-    return np.asarray(x[: n * each].reshape(n, each).mean(axis=1))
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

@@ -25,6 +25,7 @@ from stickslip.detect.pool import Pool, pooled
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.detect.stem.play import travel_of
 from stickslip.detect.stem.stick import turn_time
@@ -94,8 +95,8 @@ def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = 
     swing = float(np.percentile(smooth, 99) - np.percentile(smooth, 1))
     eps = max(p.noise * sigma * np.sqrt(2.0 / k), p.floor * swing)
     quiet = np.concatenate([np.zeros(k, dtype=bool), np.abs(smooth[k:] - smooth[:-k]) < eps])
-    edges = np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]]))
-    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    first, end = runs(quiet)
+    last = end - 1
     keep, travel = [], []
     for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
         a = max(a - k, 0)

@@ -227,14 +227,10 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     )
     shown = used[:: -(-len(used) // 60)]
     evidence: dict[str, Values | float] = {
-        "phase": _PHASE,
-        "waves": np.array([half.shape for half in shown]),
-        "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE),
-        "other": np.ones(len(_PHASE)),
-        "error_sine": v_sine,
-        "error_other": v_square,
-        "I": of_each,
-    }
+        "phase": _PHASE, "waves": np.array([half.shape for half in shown]),
+        "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE), "other": np.ones(len(_PHASE)), "error_sine": v_sine,
+        "error_other": v_square, "I": of_each,
+    }  # fmt: skip
     return Verdict(NAME, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
                    evidence=evidence, draw=draw)  # fmt: skip
 

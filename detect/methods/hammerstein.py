@@ -34,6 +34,7 @@ from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.filters import summits
 from stickslip.detect.stem.linear_models import Fit, Linear, bank, fit, near_by
+from stickslip.detect.stem.recent import blocks
 from stickslip.detect.stem.valve_models import VALVES
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
@@ -197,7 +198,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     each = max(1, round(loop.samples_per_period / p.per_period))
     # Noise on OP lets the model slip a sample too early, and then it is out of step for half a cycle.
     smooth = grid.op - loop.wave("OP", 0.0) + loop.wave("OP", p.cut)
-    op, pv = _extremes(smooth, each, p.samples), _means(grid.pv, each, p.samples)
+    op, pv = _extremes(smooth, each, p.samples), blocks(grid.pv[: each * p.samples], each)
     swing = float(np.ptp(np.percentile(loop.wave("OP", p.cut), [0.5, 99.5])))
     rounded = 1.0 + _shaved(grid.op, smooth, loop.samples_per_period) / swing
     found = search(op, pv, loop.samples_per_period / each, swing, _sign(grid.op, grid.e), bool(loop.integrating), p)
@@ -258,12 +259,6 @@ def _shaved(op: Values, smooth: Values, period: float) -> float:
     room = max(1, round(0.6 * period))
     tops = [(sign, summits(sign * smooth, room)) for sign in (1.0, -1.0)]
     return max(sum(float(np.mean(sign * (op - smooth)[at])) for sign, at in tops if len(at)), 0.0)
-
-
-def _means(x: Values, each: int, most: int) -> Values:
-    """Means of so many samples, shape (up to ``most``,)."""
-    n = min(len(x) // each, most)
-    return np.asarray(x[: n * each].reshape(n, each).mean(axis=1))
 
 
 def _extremes(x: Values, each: int, most: int) -> Values:

@@ -33,8 +33,10 @@ from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
+from stickslip.detect.stem.recent import blocks
 from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
@@ -174,9 +176,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _travel(u: Values, flagged: Mask, w: int) -> Values:
     """Travel of OP from the middle of the window before a run of flagged windows to the middle of its last."""
-    edges = np.diff(np.concatenate([[0], flagged.astype(np.int8), [0]]))
-    middles = u[: len(u) // w * w].reshape(-1, w).mean(axis=1)
-    return np.asarray(np.abs(middles[np.flatnonzero(edges == -1)] - middles[np.flatnonzero(edges == 1)]))
+    first, end = runs(flagged)
+    middles = blocks(u, w)
+    return np.asarray(np.abs(middles[end] - middles[first]))
 
 
 def _word(omega: float, opposite: float, chance: float, turned: int, name: str, p: Params) -> tuple[Word, str]:

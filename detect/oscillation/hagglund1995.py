@@ -110,16 +110,9 @@ def update(p: Params, s: State, t: float, e: float) -> State:
     load = 1.0 if lobe > 2 * p.a / w else 0.0
     mean = lobe / length if length > 0 else 0.0
     return State(
-        x=x + load,
-        iae=rest,
-        t=t,
-        e=e,
-        side=side,
-        zero=zero,
-        crossed=(*s.crossed, zero)[-_KEPT:],
-        mean_abs=mean if s.mean_abs == 0 else s.mean_abs + 0.2 * (mean - s.mean_abs),
-        first=s.first,
-    )
+        x=x + load, iae=rest, t=t, e=e, side=side, zero=zero, crossed=(*s.crossed, zero)[-_KEPT:],
+        mean_abs=mean if s.mean_abs == 0 else s.mean_abs + 0.2 * (mean - s.mean_abs), first=s.first,
+    )  # fmt: skip
 
 
 def gate(p: Params, s: State) -> Gate:

@@ -243,8 +243,6 @@ class Prepared(RecordSignals):
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
         record = self.record
-        from stickslip.detect.signals.kernels import last_before
-
         inside = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, side="right")))
         good = record.good[inside]
         kept = slice(None) if good.all() else good
@@ -253,8 +251,7 @@ class Prepared(RecordSignals):
         t = np.linspace(start, end, max(n, 2))
         dt = float(t[1] - t[0])
         even = len(at) == len(t) and bool((at == t).all())
-        last = np.empty(len(t), dtype=np.intp)
-        last_before(at, t, 1e-6 * dt, last)
+        last = np.maximum(np.searchsorted(at, t + 1e-6 * dt, side="right") - 1, 0)
 
         def held(x: Values | None) -> Values | None:
             return None if x is None else x[inside][kept] if even else x[inside][kept][last]
