@@ -15,8 +15,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
 MOST = 400  # pieces kept
@@ -55,6 +56,13 @@ def joined(past: Past, now: Pool, most: int = MOST) -> Pool:
     if len(at) > most:
         at, rows, since = at[-most:], rows[-most:], float(at[-most - 1])
     return Pool(at, rows, since, now.apart)
+
+
+def of_record(p: Any, record: LoopRecord | Prepared, seen: Seen, judged: Judged) -> Verdict:
+    """The verdict on the pieces of a whole record, or its refusal."""
+    loop = prepared(record)
+    found = seen(p, loop)
+    return found if isinstance(found, Verdict) else judged(p, loop, found)
 
 
 def pooled(

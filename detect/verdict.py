@@ -19,26 +19,10 @@ else:
 __all__ = ["Code", "Draw", "Evidence", "FigureBase", "Verdict", "VerdictError", "Word"]
 
 Code = Literal[
-    "no_oscillation",
-    "too_few_cycles",
-    "undersampled",
-    "signal_missing",
-    "op_saturated",
-    "integrating_unknown",
-    "wrong_process_type",
-    "manual_mode",
-    "quantised",
-    "compressed",
-    "constant_signal",
-    "sp_not_constant",
-    "stale_data",
-    "frozen_pv",
-    "pv_unresponsive",
-    "not_in_charge",
-    "no_valve",
-    "not_causal",
-    "outside_wave",
-]
+    "no_oscillation", "too_few_cycles", "undersampled", "signal_missing", "op_saturated", "integrating_unknown",
+    "wrong_process_type", "manual_mode", "quantised", "compressed", "constant_signal", "sp_not_constant",
+    "stale_data", "frozen_pv", "pv_unresponsive", "not_in_charge", "no_valve", "not_causal", "outside_wave",
+]  # fmt: skip
 Evidence = Mapping[str, Values | float]
 Draw = Callable[["Verdict", "FigureBase"], None]
 
@@ -114,19 +98,7 @@ class Verdict(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only mappings cannot be pickled; process pools need verdicts that can.
-        return type(self), (
-            self.method,
-            self.verdict,
-            self.index,
-            self.threshold,
-            self.reason,
-            self.code,
-            self.interval,
-            self.amount_percent_op,
-            dict(self.evidence),
-            self.draw,
-            self.experimental,
-        )
+        return type(self), tuple((self.__dict__ | {"evidence": dict(self.evidence)}).values())
 
     @classmethod
     def not_applicable(

@@ -16,12 +16,12 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.detect.judge.actions import CAUSES
-from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
+from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, Amount, Answer, next_step
 from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.model import Model, Opinion, calibrated
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.words import said
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import PERCENT, Prepared
 from stickslip.detect.verdict import Word
 from stickslip.logs.chances import chance
 

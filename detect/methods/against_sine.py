@@ -87,8 +87,3 @@ class AgainstSine:
         return Verdict(
             name, word, index, self.threshold, reason, interval=(low, high), evidence=evidence, draw=self.draw
         )
-
-    def detect(self, loop: Prepared) -> Verdict:
-        """The verdict on a record."""
-        found = self.seen(loop)
-        return found if isinstance(found, Verdict) else self.judged(loop, found)

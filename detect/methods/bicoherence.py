@@ -275,8 +275,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     width, how = _width(op, pv, p.fit_min)
     evidence |= {"op": op, "pv": pv, "width": width}
     percent = loop.op_percent(width)
-    unit = "in the unit of OP" if percent is None else "% of OP"
-    size = f"the {how} of the PV-OP curve is {width if percent is None else percent:.2g} {unit} wide"
+    scale, unit = loop.op_unit
+    size = f"the {how} of the PV-OP curve is {scale * width:.2g} {unit} wide"
     least = max(p.noise_min * loop.noise("OP"), 0.1 * float(np.ptp(op)))
     if width < least or (percent is not None and percent < p.amount_min):
         return say("inconclusive", f"non-linear, but {size}, which is no stiction: look at process and sensor")

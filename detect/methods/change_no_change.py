@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
-from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.pool import Pool, of_record, pooled
+from stickslip.detect.prepare.preconditions import refused, too_short
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.signals.runs import runs
 from stickslip.detect.signals.smoothing import noise_std
@@ -111,9 +111,7 @@ def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, Indices]:
@@ -126,12 +124,9 @@ def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, Indices]:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The intervals (samples and travel of OP over each) and the turns of OP (no samples, no travel)."""
-    if refusal := refused(CARD, loop, p.rho_stiction):
+    if refusal := refused(CARD, loop, p.rho_stiction) or too_short(CARD, loop.whole, p.samples, p.rho_stiction):
         return refusal
     grid = loop.whole
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.rho_stiction)
     found, k, turns = _look(p, loop)
     at = np.concatenate([0.5 * (grid.t[found.first] + grid.t[found.last]), grid.t[turns]])
     rows = np.zeros((len(at), 2))

@@ -27,9 +27,9 @@ import numpy as np
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, free_triangle, sine
 from stickslip.detect.methods.against_sine import AgainstSine
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
+from stickslip.detect.prepare.prepared import Prepared, Signal
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
@@ -107,8 +107,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict, detect(loop).index > 0.8
     ('stiction', True)
     """
-    loop = prepared(record)
-    return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).detect(loop)
+    return of_record(p, record, _seen, _judged)
 
 
 def _frame(p: Params, loop: Prepared) -> AgainstSine:
@@ -129,7 +128,11 @@ def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).seen(loop)
 
 
-remember, recall = pooled(_seen, lambda p, loop, pool: _frame(p, loop).judged(loop, pool))
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    return _frame(p, loop).judged(loop, pool)
+
+
+remember, recall = pooled(_seen, _judged)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

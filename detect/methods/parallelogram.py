@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.play import interval, travel_of
@@ -205,12 +205,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 4.0)
     """
     loop = prepared(record)
-    if refusal := refused(CARD, loop, p.width):
+    if refusal := refused(CARD, loop, p.width) or too_short(CARD, loop.whole, p.samples, p.width):
         return refusal
     grid = loop.whole
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.width)
     name, y = stem_signal(grid)
     u = grid.op
     found = width(u, y, min(turn_time(u, loop.period / grid.dt)[1], len(u) / 4.0))

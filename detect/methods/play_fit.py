@@ -149,8 +149,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 
 def _size(loop: Prepared, amount: float) -> str:
-    percent = loop.op_percent(amount)
-    return f"{amount:.3g} in the unit of OP" if percent is None else f"{percent:.3g} % of OP"
+    scale, unit = loop.op_unit
+    return f"{scale * amount:.3g} {unit}"
 
 
 def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[Word, str]:

@@ -32,9 +32,9 @@ from typing import NamedTuple
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
@@ -172,9 +172,7 @@ def _symbols(d: Values, level: float) -> Indices:
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _signals(p: Params, loop: Prepared) -> tuple[Values, Values, Values, float, str]:

@@ -26,8 +26,8 @@ import numpy as np
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, relay, relay_wave, sine, triangle
 from stickslip.detect.methods.against_sine import AgainstSine
-from stickslip.detect.pool import pooled
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.pool import Pool, of_record, pooled
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
@@ -107,8 +107,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict, detect(loop).index > 0.7
     ('stiction', True)
     """
-    loop = prepared(record)
-    return _frame(p).detect(loop)
+    return of_record(p, record, _seen, _judged)
 
 
 def _frame(p: Params) -> AgainstSine:
@@ -123,7 +122,15 @@ def _shape(phase: Values, ratio: float) -> Values:
     return relay_wave(phase, ratio) if ratio > 0.0 else 1.0 - np.abs(2.0 * phase - 1.0)
 
 
-remember, recall = pooled(lambda p, loop: _frame(p).seen(loop), lambda p, loop, pool: _frame(p).judged(loop, pool))
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    return _frame(p).seen(loop)
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    return _frame(p).judged(loop, pool)
+
+
+remember, recall = pooled(_seen, _judged)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

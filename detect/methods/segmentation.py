@@ -187,18 +187,17 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     needed = math.log(len(op)) * float(np.sum(path.moved))
     stay, slip = (float(np.median(v)) if len(v) else 0.0 for v in (stays, slips))
     word, why = _word(rate, stay, path.gain, needed, p)
-    size = loop.op_percent(slip)
-    unit = "in the unit of OP" if size is None else "% of OP"
+    scale, unit = loop.op_unit
     reason = (
         f"The stem moves at {rate:.0%} of the samples (limits {p.rate_low:.0%} to {p.rate_high:.0%}), stays {stay:.0f} "
-        f"samples and slips {slip if size is None else size:.2g} {unit} in the median; ln likelihood {path.gain:.0f} "
+        f"samples and slips {scale * slip:.2g} {unit} in the median; ln likelihood {path.gain:.0f} "
         f"above that of a valve that follows ({needed:.0f} needed): {why}."
     )
     evidence: dict[str, Values | float] = {
         "t": grid.t[::each][: p.samples], "op": op, "pv": pv, "stem": path.stem, "moved": path.moved,
         "gain": path.gain, "needed": needed,
     }  # fmt: skip
-    amount = size if word == "stiction" else None
+    amount = loop.op_percent(slip) if word == "stiction" else None
     return Verdict(NAME, word, rate, p.rate_high, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 

@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.stem.logged_stem import LATEST, Stem, band, stem
 from stickslip.detect.stem.play import travel_of
@@ -102,9 +102,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return Verdict.not_applicable(NAME, "op_saturated", limited.text, p.slip)
     grid = loop.whole
     mv = grid.mv
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.slip)
+    if refusal := too_short(CARD, grid, p.samples, p.slip):
+        return refusal
     if mv is None or not np.all(np.isfinite(mv)) or np.ptp(mv) == 0.0:
         return Verdict.not_applicable(NAME, "signal_missing", "MV has bad samples or never moves.", p.slip)
     u = grid.op

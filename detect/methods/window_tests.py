@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.signals.runs import runs
@@ -144,12 +144,9 @@ def flags(u: Values, y: Values, w: int, alpha: float = 0.05) -> Flags:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    if refusal := refused(CARD, loop, p.omega):
+    if refusal := refused(CARD, loop, p.omega) or too_short(CARD, loop.stretch, p.samples, p.omega):
         return refusal
     grid = loop.stretch
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.omega)
     name, y = stem_signal(grid)
     u = grid.op
     w = max(round(loop.samples_per_period / p.per_period), 4) if math.isfinite(loop.period) else p.window

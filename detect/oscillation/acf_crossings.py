@@ -40,12 +40,11 @@ the second try after removal of drift, because a slow drift lifts the whole ACF 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from stickslip.detect.card import Card
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.detect.oscillation.gate import GATE_CARD, REGULARITY_MAX, Gate, Stretch
 from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.detect.signals.smoothing import moving_average
 from stickslip.logs import LoopRecord
@@ -56,20 +55,16 @@ _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
 _SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
 
-CARD = Card(
+CARD = replace(
+    GATE_CARD,
     name="acf_crossings",
     title="ACF zero crossings",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
-    signals=("SP", "PV"),
     assumes=("one dominant period", "three cycles or more"),
     finds="whether the loop oscillates, its period and regularity",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
     pros=("noise of any colour seldom passes", "the period may drift", "no tuning per loop"),
     cons=("two mixed periods lower the regularity", "needs four cycles, and more in slow noise"),
     cost="O(n log n)",
-    kind="gate",
 )
 
 

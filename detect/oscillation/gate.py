@@ -3,7 +3,14 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from stickslip.detect.card import Card
+
 REGULARITY_MAX = 999.0  # a perfectly regular wave has no spread; a finite stand-in keeps JSON happy
+
+# What most oscillation detectors have in common; each puts its own facts in.
+GATE_CARD = Card(
+    "", "", "", ("SP", "PV"), (), "", (0.0, REGULARITY_MAX), ("self_regulating", "integrating"), "no", kind="gate",
+)  # fmt: skip
 
 
 class Stretch(NamedTuple):

@@ -12,30 +12,26 @@ Source: Miao and Seborg 1999, Control Eng. Practice 7:73 (the ratio and its limi
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.correlogram import correlogram
 from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
-from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-CARD = Card(
+CARD = replace(
+    GATE_CARD,
     name="miao_seborg",
     title="Decay ratio of the ACF",
     source="Miao and Seborg 1999, Control Eng. Practice 7:73",
-    signals=("SP", "PV"),
     assumes=("one dominant period",),
     finds="whether an oscillation lasts (R near 1) or is well damped (R near 0)",
     index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="no",
     pros=("separates sustained from damped", "noise stands at lag 0 only"),
     cons=("several periods mix", "a drift hides the crossings of the ACF"),
     cost="O(n log n)",
-    kind="gate",
 )
 LOBES = 5  # between the crossings of the ACF: two maxima and three minima, or the other way round
 

@@ -16,29 +16,24 @@ the background, and the rule for harmonics.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import Even, acf, even, regularity
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate, Stretch
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-CARD = Card(
+CARD = replace(
+    GATE_CARD,
     name="several_periods",
     title="Several periods at once",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
-    signals=("SP", "PV"),
     assumes=("periods that last through the record",),
     finds="every oscillation of a loop, its period, amplitude and regularity",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
     pros=("mixed periods", "noise of any smooth colour seldom passes"),
     cons=("needs six cycles of each", "a drifting period smears its line"),
     cost="O(n log n)",
-    kind="gate",
 )
 
 LEVELS = 80

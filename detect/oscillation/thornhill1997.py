@@ -10,29 +10,24 @@ Source: Control Eng. Practice 5 (1997) 1343. Ours: the band, and a tolerated amp
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.detect.oscillation.lobes import lobes
 from stickslip.logs import LoopRecord
 
-CARD = Card(
+CARD = replace(
+    GATE_CARD,
     name="thornhill1997",
     title="Regularity of IAE crossings",
     source="Thornhill and Hagglund 1997, Control Eng. Practice 5:1343",
-    signals=("SP", "PV"),
     assumes=("e is centred on zero", "one dominant period"),
     finds="whether half periods are of equal length and large enough",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
     pros=("in time, no spectrum", "checks every half period"),
     cons=("noise adds crossings", "drift takes them away", "one period only"),
     cost="O(n)",
-    kind="gate",
 )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from stickslip.detect.card import Card
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.oscillation.clock import RATIO_MAX
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Grid, Prepared
 from stickslip.detect.verdict import Code, Verdict
 
 ALWAYS: tuple[Code, ...] = (
@@ -71,6 +71,14 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
         return no("undersampled", f"The period of {loop.period:.4g} s has {per_period:.1f} samples; "
                                   f"{card.samples[0]:g} are needed.")  # fmt: skip
     return _of_cause(card, loop, no)
+
+
+def too_short(card: Card, grid: Grid, samples: int, threshold: float) -> Verdict | None:
+    """The refusal of a piece of fewer than so many samples; None if it has them."""
+    if len(grid) >= samples:
+        return None
+    reason = f"The longest piece has {len(grid)} samples; {samples} are needed."
+    return Verdict.not_applicable(card.name, "too_few_cycles", reason, threshold)
 
 
 def _of_cause(card: Card, loop: Prepared, no: Callable[[Code, str], Verdict]) -> Verdict | None:

@@ -46,6 +46,7 @@ Signal = Literal["OP", "PV", "SP", "E", "MV"]
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
 CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
+PERCENT = "% of OP"
 STEPS_MAX = 20_000  # of a grid; of a longer piece the last part is looked at
 
 
@@ -282,6 +283,12 @@ class Prepared(RecordSignals):
         """An amount in the unit of OP as % of its span; None where the span is unknown."""
         span = self.record.op_span
         return None if span is None else 100.0 * amount / (span[1] - span[0])
+
+    @property
+    def op_unit(self) -> tuple[float, str]:
+        """What an amount in the unit of OP is multiplied by where it is shown, and the unit that it then has."""
+        percent = self.op_percent(1.0)
+        return (1.0, "in the unit of OP") if percent is None else (percent, PERCENT)
 
     # --- waves ------------------------------------------------------------------------------------------------
     def wave(self, name: Signal, cut_at: float = CUT) -> Values:
