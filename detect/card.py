@@ -27,13 +27,11 @@ class Card:
     samples : points a period that the method can work with [-]
     finds : what the index tells
     index : range that the index can take [-]
-    process : tuple of {"self_regulating", "integrating"}
-        Processes it works on.
+    process : tuple of {"self_regulating", "integrating"}; processes it works on
     streams : "exact": a twin that follows every sample; "pooled": a window, and what was found in those before it;
         "window": the last samples alone, as many as ``window_twin.WINDOW``; "no"
     stream_bound : largest relative difference of the index between batch and stream on a stationary record [-]
     stream_note : why it streams on a window alone, or not at all; a sentence
-    pros, cons : tuple of str
     cost : order of the work for n samples
     kind : gates answer whether the loop oscillates, detectors whether the valve sticks
     experimental : whether the method is still on trial: ``diagnose`` shows its answer, marked

@@ -48,13 +48,10 @@ Source: TypeAlias = LoopRecord | Prepared | HasLoops | str | os.PathLike[str]
 class Judged:
     """One loop before all methods.
 
-    loop : str
-    combined : as in ``Verdict``
-        The verdict of ``diagnose`` on the loop, whichever methods stand beside it.
+    combined : as in ``Verdict``; the verdict of ``diagnose`` on the loop, whichever methods stand beside it
     verdicts : tuple of Verdict, in the order of the methods
     milliseconds : wall time of each method on the prepared record [ms]
     preparation : wall time of what the methods share: facts, oscillation, even grid, waves, half waves [ms]
-    samples : int
     """
 
     loop: str
@@ -86,9 +83,7 @@ class Judged:
 class Comparison(Shown):
     """The result of ``compare``.
 
-    loops : tuple of Judged
-    skipped : tuple of (file, reason)
-        Files of a folder that hold no loop.
+    skipped : tuple of (file, reason); files of a folder that hold no loop
     """
 
     loops: tuple[Judged, ...]

@@ -31,21 +31,16 @@ UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model 
 class Diagnosis(Shown):
     """The answer on one loop.
 
-    loop : str
     verdict : as in ``Verdict``
     probability : probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the
         record was refused, the stem was logged, or PV itself shows that the valve slips.
     causes : probability of each cause [-], largest first; "stiction" is one of them
-    amount : mapping of "S" and "J" to Amount, or None
-        Sizes with their 90 % intervals, where the verdict is stiction.
-    detection_limit : (float, unit) or None
-        S above which a stick would have shown in this record.
+    amount : mapping of "S" and "J" to Amount, or None; sizes with their 90 % intervals, where the verdict is stiction
+    detection_limit : (float, unit) or None; S above which a stick would have shown in this record
     reason : what was found, in words and numbers
     action : what to do, who does it, and the test that confirms it
     assumptions : what was taken for granted, one sentence each
-    methods : tuple of Verdict
     conditions : measured properties of the record
-    record : LoopRecord
     performance : how near the loop is to minimum variance; None where e does not move
     period : of the oscillation [s]; None where the loop does not oscillate
     amplitude : half of the width that holds 90 % of PV [unit of PV]

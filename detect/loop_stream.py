@@ -31,7 +31,6 @@ Way = Literal["memory", "twin", "window"]
 class LoopStream:
     """The state of all methods after the samples so far; a value, as every state of a stream.
 
-    facts : LoopFacts
     methods : by default all of ``stickslip.detect.METHODS``
     window : most rows held [-]
     buffer, states, ways

@@ -26,7 +26,6 @@ STICKY = ("cycling", "excited")  # groups of loops with a sticky valve
 class Rate:
     """The counts of one method.
 
-    method : str
     sticky, others : int, loops with and without a sticky valve
     hits, wrong, acquitted, undecided : sticky loops called sticky; other loops called sticky; sticky loops called "no
         stiction"; loops left open or refused

@@ -30,10 +30,8 @@ class Window:
     """One window of a record.
 
     start, end : [s] of the record
-    samples : int
     verdict : as in ``Verdict``; "not_applicable" also where the window holds too little
     probability : of stiction [-] or None
-    S, J : Amount or None
     limit : (S, unit) above which a stick would have shown, or None
     """
 

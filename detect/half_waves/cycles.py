@@ -55,8 +55,7 @@ class Params:
     smooth_max : widest moving average [share of the period]
     noise_share : noise that smoothing aims to leave [share of the signal's standard deviation]
     drift_share : a baseline that moves by more than this share of the swing's standard deviation is taken off
-    gate : oscillation.Params
-        Test for an oscillation.
+    gate : oscillation.Params; test for an oscillation
     """
 
     smooth_max: float = 0.10
@@ -70,13 +69,11 @@ class Cycles:
     """The half cycles of a record or a block, and what was found on the way.
 
     half_cycles : tuple of HalfCycle, in order of time, faulty ones marked
-    period, dt : float [s]
-        Mean period and median sampling interval.
+    period, dt : float [s]; mean period and median sampling interval
     regularity : float [-], of the gate
     notes : tuple of str, what was assumed or done, without full stops
     centre : what e is measured from: "SP", or "its mean" when SP is not logged
-    t, e : (m,) [s], [unit of PV]
-        The prepared error, NaN between pieces.
+    t, e : (m,) [s], [unit of PV]; the prepared error, NaN between pieces
     """
 
     half_cycles: tuple[HalfCycle, ...]

@@ -79,7 +79,6 @@ class Answer:
     word : as in ``Verdict``
     probability : of stiction [-], None where the model was not asked
     causes : probability of each cause [-], largest first; empty where the model was not asked
-    S, J : Amount or None
     limit : (S, unit) above which a stick would have shown, or None
     reason, action : sentences
     assumptions : what was inferred, one sentence each

@@ -23,19 +23,15 @@ from stickslip.logs.arrays import Values
 class AgainstSine:
     """One such method.
 
-    card : Card
     symbol : of the index, in sentences
     threshold : of the index [-]
     half_waves_min : fewest for a verdict [-]
     signal : whose half waves are read
     errors : function of Samples
         Squared errors of the sine and of the other shape [unit^2] and the parameter of the latter, (H,) each.
-    index : function of means (..., 2)
-        The index [-] of the mean errors of sine and other shape.
-    word : function of the index and the lower end of its interval
-        The verdict, and why.
-    shape : function of phases (n,) and parameter
-        The other shape.
+    index : function of means (..., 2); the index [-] of the mean errors of sine and other shape
+    word : function of the index and the lower end of its interval; the verdict, and why
+    shape : function of phases (n,) and parameter; the other shape
     draw : the picture
     """
 

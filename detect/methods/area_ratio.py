@@ -86,8 +86,7 @@ class Params:
     resamples, seed, coverage :
         Bootstrap of the half cycles for the interval of R.
     block, half_cycles_max : streaming: samples held, and half cycles remembered
-    cycles : cycles.Params
-        Drift, noise and the oscillation gate.
+    cycles : cycles.Params; drift, noise and the oscillation gate
     """
 
     R_stiction: float = 1.25

@@ -75,7 +75,6 @@ class Params:
     """Settings; all limits are ours.
 
     linear : the linear model; an integrating process takes the extended one of its kind
-    valve : {"kano", "he"}
     jumps : steps of J / S
     per_period, samples : samples of a period and of the record that are used
     cut : where OP is smoothed, in frequencies of the oscillation

@@ -62,7 +62,6 @@ class Params:
     """Settings of the paper, but for ``per_period`` and ``samples``, which bound the cost.
 
     limit : N above which the wave is non-linear [-]
-    neighbours, twins : int
     per_period, samples : most samples of a period (7 to 25 in the paper), and of the record
     """
 

@@ -25,7 +25,6 @@ class Stretch(NamedTuple):
 class Gate:
     """Result of an oscillation test.
 
-    oscillating : bool
     period : period of the oscillation [s]; None when there is none to speak of
     regularity : mean / (3 std) of the crossing intervals [-], at most 999; above 1 is regular
     amplitude : half the peak-to-peak of the equivalent sine, sqrt(2) std [unit of the signal]

@@ -21,8 +21,7 @@ Piece = tuple[Values, Values]
 class Pieces:
     """The pieces of a record, in order of time.
 
-    all : tuple of (t, e)
-        Times [s] and control error [unit of PV] of each piece, (n,); -PV stands for e without SP.
+    all : tuple of (t, e); times [s] and control error [unit of PV] of each piece, (n,); -PV stands for e without SP
     gate : the oscillation test of the longest piece
     notes : what was bridged and what cuts the record: where and how long, without full stops
     """

@@ -64,10 +64,8 @@ def fit(
 ) -> Fit:
     """Fit y (n,) by u (n,) with and without a sticky valve; ``turn`` [samples] is the time between two turns of u.
 
-    kinds : sequence of bool
-        Whether the process integrates; of two kinds the one that tells more of y is taken.
-    wave : float, optional
-        Period of the oscillation [samples]; by default two turns.
+    kinds : sequence of bool; whether the process integrates; of two kinds the one that tells more of y is taken
+    wave : float, optional; period of the oscillation [samples]; by default two turns
 
     >>> t = np.arange(600.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)

@@ -76,18 +76,12 @@ class StepResponse:
 class ValveTest(Shown):
     """How a valve answers: the result of a step test, or of the routine moves in a record.
 
-    name : str
     answer : the signal that was measured: the stem, or PV where no stem is logged
     source : {"steps", "routine moves"}
-    deadband, resolution : Size or None
-        None where the record does not show it.
-    slip_jump : Size or None
-        From routine moves only.
+    deadband, resolution : Size or None; None where the record does not show it
+    slip_jump : Size or None; from routine moves only
     gain : change of the answer per % of OP [its unit / %]
-    responses : tuple of StepResponse
-    steps : tuple of Step
     notes : what was assumed, and what the record does not show
-    record : LoopRecord
     """
 
     name: str

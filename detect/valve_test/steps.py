@@ -27,7 +27,6 @@ class Step:
     before, after : OP before and after [% of span]
     start, stop : samples of the hold after the step, ``stop`` not included
     place_before, place_after : answer before and after [unit of the answer]
-    moved : bool
     """
 
     time: float
