@@ -53,12 +53,12 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
     asleep = 0
     low, high = record.op_span or (-math.inf, math.inf)
     near = END_SHARE * (high - low) if math.isfinite(high - low) else 0.0
-    for start, length in zip(*stands(op), strict=True) if len(op) else ():
-        if length < STAND_SAMPLES or not low + near < op[start] < high - near:
+    first, length = stands(op)
+    for start, end in np.column_stack([first, first + length])[length >= STAND_SAMPLES].tolist():
+        if not low + near < op[start] < high - near:
             continue  # at its limit OP is not asleep, but saturated, which another fact says
-        end = start + length
         off, swing = spread(e[start:end])[0], spread(pv[start:end])[1]
-        asleep += int(length) if swing > 0.0 and abs(off) > swing else 0
+        asleep += end - start if swing > 0.0 and abs(off) > swing else 0
     share = asleep / max(len(op), 1)
     text = (
         f"OP stands while PV moves off SP in {share:.0%} of the samples ({limit:.0%} allowed), "
