@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.detect.card import Card
 from stickslip.detect.method import Method
-from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, wilson
+from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, interval_words
 from stickslip.detect.rates import COMBINED, Rate, rates
 
 CARD_COLUMNS = (
@@ -58,9 +58,10 @@ def published_rows(measured: Mapping[str, Rate] | None = None) -> list[list[str]
     measured = rates() if measured is None else measured
     rows = []
     for one in PUBLISHED:
-        interval = "-" if one.right is None or one.of is None else _interval(one.right, one.of)
-        name = one.method or COMBINED
-        ours = f"{name}: {_found(measured[name])}" if name in measured else "-"
+        interval = "-" if one.right is None or one.of is None else interval_words(one.right, one.of)
+        name, ours = one.method or COMBINED, "-"
+        if (rate := measured.get(name)) is not None:
+            ours = f"{name}: {rate.hit_rate:.0%} of the sticky found, {rate.false_alarms:.0%} of the others accused"
         rows.append([one.what, f"{one.share:.0%}", interval, one.loops, one.source, one.mark, ours])
     return rows
 
@@ -88,12 +89,3 @@ def _rate_row(name: str, row: ThesisRow | None, rate: Rate | None) -> list[str]:
     spent = "-" if rate.us_per_sample is None else f"{rate.us_per_sample:.3g}"
     shares = (rate.hit_rate, rate.false_alarms, rate.abstentions)
     return [*shown, *(f"{share:.1%}" for share in shares), delay, spent]
-
-
-def _found(rate: Rate) -> str:
-    return f"{rate.hit_rate:.0%} of the sticky found, {rate.false_alarms:.0%} of the others accused"
-
-
-def _interval(right: int, of: int) -> str:
-    low, high = wilson(right, of)
-    return f"{low:.0%} to {high:.0%}"

@@ -85,21 +85,13 @@ class Diagnosis(Shown):
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""
         limit = self.detection_limit
         return {
-            "schema": SCHEMA,
-            "loop": self.loop,
-            "verdict": self.verdict,
-            "probability": self.probability,
-            "period_s": self.period,
-            "amplitude": self.amplitude,
-            "causes": dict(self.causes),
+            "schema": SCHEMA, "loop": self.loop, "verdict": self.verdict, "probability": self.probability,
+            "period_s": self.period, "amplitude": self.amplitude, "causes": dict(self.causes),
             "amount": None if self.amount is None else {name: size.to_dict() for name, size in self.amount.items()},
             "detection_limit": None if limit is None else {"value": limit[0], "unit": limit[1]},
-            "reason": self.reason,
-            "because": list(self.because),
-            "action": self.action,
-            "assumptions": list(self.assumptions),
-            "methods": [method.to_dict() for method in self.methods],
-        }
+            "reason": self.reason, "because": list(self.because), "action": self.action,
+            "assumptions": list(self.assumptions), "methods": [method.to_dict() for method in self.methods],
+        }  # fmt: skip
 
     def plot(self, words: bool = True) -> "Figure":
         """Trend of SP, PV and OP, the PV-OP curve, and what decided the verdict.
@@ -134,30 +126,15 @@ def diagnose(record: LoopRecord | Prepared | Any, methods: Sequence[Method] | No
     record = loop.record
     verdicts = tuple(ask(method, loop) for method in (METHODS if methods is None else methods))
     found = answer_over_days(loop)
-    return Diagnosis(
-        loop=record.name,
-        verdict=found.word,
-        probability=found.probability,
-        causes=found.causes,
-        amount=_amount(found),
-        detection_limit=found.limit,
-        reason=" ".join([WORDS[found.word].sentence, found.reason, _beside(verdicts)]).strip(),
-        action=found.action,
-        assumptions=_assumptions(loop, found),
-        methods=verdicts,
-        conditions=loop.health,
-        record=record,
-        performance=loop.performance,
-        period=loop.period if loop.gate.oscillating else None,
-        amplitude=amplitude(record.pv),
-        because=found.because,
-        picture=found.picture,
-    )
-
-
-def _amount(found: Answer) -> dict[str, Amount] | None:
     sizes = {name: size for name, size in (("S", found.S), ("J", found.J)) if size is not None}
-    return sizes or None
+    return Diagnosis(
+        loop=record.name, verdict=found.word, probability=found.probability, causes=found.causes,
+        amount=sizes or None, detection_limit=found.limit,
+        reason=" ".join([WORDS[found.word].sentence, found.reason, _beside(verdicts)]).strip(), action=found.action,
+        assumptions=_assumptions(loop, found), methods=verdicts, conditions=loop.health, record=record,
+        performance=loop.performance, period=loop.period if loop.gate.oscillating else None,
+        amplitude=amplitude(record.pv), because=found.because, picture=found.picture,
+    )  # fmt: skip
 
 
 def ask(method: Method, loop: Prepared) -> Verdict:

@@ -69,3 +69,13 @@ def wilson(right: int, of: int, z: float = 1.645) -> tuple[float, float]:
     middle = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
     return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def interval_words(right: int, of: int) -> str:
+    """The interval of ``wilson`` in words.
+
+    >>> interval_words(6, 13)
+    '26% to 68%'
+    """
+    low, high = wilson(right, of)
+    return f"{low:.0%} to {high:.0%}"

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.detect.comparison import Comparison
-from stickslip.detect.published import PUBLISHED, wilson
+from stickslip.detect.published import PUBLISHED, interval_words
 from stickslip.detect.rates import COMBINED
 from stickslip.logs import ReadError
 
@@ -115,17 +115,14 @@ def score_rows(found: list[Score]) -> list[list[str]]:
     rows = []
     for one in found:
         tags = one.sticky + one.others
-        low, high = wilson(one.right, tags)
         counts = [f"{one.found} of {one.sticky}", f"{one.wrong} of {one.others}", f"{one.right} of {tags}"]
-        rows.append([one.method, *counts, f"{low:.0%} to {high:.0%}", str(one.open_tags)])
+        rows.append([one.method, *counts, interval_words(one.right, tags), str(one.open_tags)])
     if found:
         sticky, others = found[0].sticky, found[0].others
-        low, high = wilson(sticky, sticky + others)
         always = f"{sticky} of {sticky}", f"{others} of {others}", f"{sticky} of {sticky + others}"
-        rows.append(["always sticky", *always, f"{low:.0%} to {high:.0%}", "0"])
+        rows.append(["always sticky", *always, interval_words(sticky, sticky + others), "0"])
     for share in PUBLISHED:
         if share.what.endswith("loops right") and share.right is not None and share.of is not None:
-            low, high = wilson(share.right, share.of)
             name = f"published: {share.what.removesuffix(': loops right')} ({share.mark}, {share.loops})"
-            rows.append([name, "-", "-", f"{share.right} of {share.of}", f"{low:.0%} to {high:.0%}", "-"])
+            rows.append([name, "-", "-", f"{share.right} of {share.of}", interval_words(share.right, share.of), "-"])
     return rows

@@ -102,14 +102,9 @@ class Verdict(Shown):
 
     @classmethod
     def not_applicable(
-        cls,
-        method: str,
-        code: Code,
-        reason: str,
-        threshold: float | None = None,
-        evidence: Evidence | None = None,
+        cls, method: str, code: Code, reason: str, threshold: float | None = None, evidence: Evidence | None = None,
         draw: Draw | None = None,
-    ) -> "Verdict":
+    ) -> "Verdict":  # fmt: skip
         """A refusal: the record breaks a precondition of the method, so there is no index."""
         return cls(method, "not_applicable", None, threshold, reason, code=code, evidence=evidence or {}, draw=draw)
 

@@ -9,6 +9,7 @@ from stickslip.detect.evidence.set_point import set_point_words
 from stickslip.detect.figures.deciding import draw_deciding, what_decided
 from stickslip.detect.figures.loop_trend import draw_trends, named
 from stickslip.detect.words import WORDS
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS
 from stickslip.logs.trend import finish_plane
 
@@ -21,8 +22,6 @@ POINTS = 4000  # of PV against OP: more is a blot
 
 def plot_diagnosis(answer: "Diagnosis", words: bool = True) -> "Figure":
     """Trend, PV-OP curve and what decided; ``words`` adds the reason."""
-    from stickslip.logs.picture import Picture
-
     shown = what_decided(answer)
     figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
     rows = 2 if shown else 1

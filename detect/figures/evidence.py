@@ -9,6 +9,7 @@ from stickslip.detect.figures.loop_trend import named, shown_cycles
 from stickslip.detect.figures.verdict import finish, legend
 from stickslip.detect.words import WORDS
 from stickslip.logs.arrays import Values
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, FIT, PALE, SOFT, tidy
 from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_plane, rests
@@ -30,8 +31,6 @@ HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
 
 
 def _small() -> "tuple[Figure, Axes]":
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=SMALL, layout="constrained")
     return figure, figure.subplots()
 
@@ -124,8 +123,6 @@ def _per(frequency: float) -> tuple[float, str]:
 
 def plot_correlation(found: "Correlation") -> "Figure":
     """OP and PV each with itself above; PV behind OP below, with the lag of the closest likeness."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=SMALL, layout="constrained")
     upper, lower = figure.subplots(2, 1)
     scale, unit = time_unit(float(found.lags[-1]) * 2.0)
@@ -152,8 +149,6 @@ def plot_over_time(found: "OverTime") -> "Figure":
 
     A stem that is logged answers without a probability.
     """
-    from stickslip.logs.picture import Picture
-
     drawers = [_chances] * any(w.probability is not None for w in found.windows)
     drawers += [_sizes] * any(w.S is not None for w in found.windows)
     figure = Picture(figsize=(9.6, 0.4 + 1.6 * max(len(drawers), 1)), layout="constrained")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.figures.verdict import legend
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, EVENT
 from stickslip.logs.time_axis import TimeAxis
 from stickslip.logs.trend import draw_signal, finish_panel, mark_gaps, shade_bad
@@ -55,8 +56,6 @@ def _mark_sticks(ax: "Axes", axis: TimeAxis, stem: "StemTrend") -> None:
 
 def plot_trend(record: "LoopRecord", stem: "StemTrend | None" = None) -> "Figure":
     """The whole record; a long one as the envelope of its lowest and highest values."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(9.6, 3.9), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_trends(record, upper, lower, sticks=stem)
@@ -74,8 +73,6 @@ def shown_cycles(record: "LoopRecord", period: float, stem: "StemTrend | None") 
 def plot_cycles(record: "LoopRecord", period: float, stem: "StemTrend | None") -> "Figure":
     """The last few cycles: PV with SP, and OP with the stem; dotted where it slips, a bar where it stands."""
     from dataclasses import replace
-
-    from stickslip.logs.picture import Picture
 
     t0, t1 = shown_cycles(record, period, stem)
     part = replace(record, log=record.log.between(t0, t1))

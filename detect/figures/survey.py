@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.figures.verdict import finish
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, RED, SOFT
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ POINTS = 2000
 
 def plot_survey(survey: "Survey") -> "Figure":
     """A row a group: its strongest tags, and OP of its first suspect against the tag that shows the band."""
-    from stickslip.logs.picture import Picture
-
     rows = max(len(survey.groups), 1)
     heights = [0.9 + 0.26 * min(len(g.shares), MOST) for g in survey.groups] or [1.0]
     figure = Picture(figsize=(9.5, 0.6 + sum(max(h, 2.6) for h in heights)), layout="constrained")

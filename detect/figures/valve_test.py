@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.figures.verdict import finish
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE
 from stickslip.logs.thinned import thinned
 from stickslip.logs.time_axis import TimeAxis, time_unit
@@ -20,8 +21,6 @@ BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 def plot_valve_test(test: "ValveTest") -> "Figure":
     """The trend, and the position of the valve over OP; steps without an answer are grey."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(9.5, 4.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
     upper = figure.add_subplot(grid[0, 0])
@@ -68,8 +67,6 @@ def _trend(test: "ValveTest", upper: "Axes", lower: "Axes") -> None:
 
 def plot_responses(test: "ValveTest") -> "Figure | None":
     """The answers to the timed steps on one another, each as a share of its final change; None without any."""
-    from stickslip.logs.picture import Picture
-
     if not test.responses:
         return None
     record = test.record

@@ -1,13 +1,15 @@
 """Pictures of verdicts: the evidence as a sceptic would draw it."""
 
 import textwrap
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS
-from stickslip.logs.arrays import Mask
-from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
+from stickslip.logs.arrays import Mask, Values
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, INK, SOFT, UNUSED, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,8 +22,6 @@ DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 def plot_verdict(v: Verdict) -> "Figure":
     """One figure: evidence of the method above, verdict and reason as its title."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
     standing = " (on trial)" if v.experimental else ""
@@ -36,6 +36,17 @@ def draw_evidence(v: Verdict, figure: "FigureBase") -> None:
         draw_reason(v.reason, figure)
     else:
         v.draw(v, figure)
+
+
+def draw_stands(panels: "Sequence[Axes]", t: Values, signals: Mapping[str, Values], stands: Sequence[Any]) -> None:
+    """Each signal (n,) over t (n,) [s] in a panel of its own; ``stands``, from where to where [s], are shaded."""
+    for axes, (name, y) in zip(panels, signals.items(), strict=True):
+        axes.plot(t, y, color=INK)
+        for a, b in stands:
+            if a < t[-1]:
+                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
+        finish(axes, "", name)
+    panels[-1].set_xlabel("time [s]")
 
 
 def draw_reason(text: str, figure: "FigureBase") -> None:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from stickslip.detect.half_waves.half_cycles import HalfCycle
 from stickslip.detect.signals.bootstrap import interval
-from stickslip.logs.arrays import Values
 
 
 class Side(NamedTuple):
@@ -45,17 +44,14 @@ def lateness(half_cycles: Sequence[HalfCycle], resamples: int, seed: int, covera
     before = np.array([half.area_before for half in half_cycles])
     after = np.array([half.area_after for half in half_cycles])
     peak = np.array([half.peak for half in half_cycles])
-    low, high = interval(_ratio, np.column_stack([before, after]), coverage, resamples, seed)
+    areas = np.column_stack([before, after])
+    low, high = interval(lambda means: np.asarray(means[..., 0] / means[..., 1]), areas, coverage, resamples, seed)
     sides = {
         name: Side(float(before[side].sum() / after[side].sum()), int(side.sum()))
         for name, side in (("above", peak < 0), ("below", peak > 0))
         if side.any()
     }
     return Lateness(float(before.sum() / after.sum()), low, high, sides)
-
-
-def _ratio(means: Values) -> Values:
-    return np.asarray(means[..., 0] / means[..., 1])
 
 
 def closed_form(h: float) -> float:

@@ -92,9 +92,8 @@ def _meaning(
     if grid.sp is not None and np.all(np.isfinite(grid.sp)):
         moved, off = (float(np.subtract(*np.percentile(x, [75, 25]))) for x in (grid.sp, grid.sp - grid.pv))
         if moved > FOLLOWS * off > 0.0:
-            return (
-                "dead",
-                "PV follows the moves of SP all the same, so that the valve moves and the stem's tag is dead.",
+            return "dead", (
+                "PV follows the moves of SP all the same, so that the valve moves and the stem's tag is dead."
             )
     span = loop.record.op_span
     if span is not None and percent is not None and not min(abs(place - end) for end in span) > END_PERCENT / percent:

@@ -49,21 +49,15 @@ from stickslip.logs.arrays import Values
 NAME = "area_ratio"
 
 CARD = Card(
-    name=NAME,
-    title="Area ratio",
+    name=NAME, title="Area ratio",
     source="Singhal and Salsbury 2005, J. Process Control 15:371; Kvam, NTNU 2009, chapter 6",
-    signals=("SP", "PV"),
+    signals=("SP", "PV"), process=("self_regulating",),
     assumes=(
         "sustained oscillation of the loop's own making",
-        "self-regulating process, slower than a tenth of the half period",
-        "OP not at a limit",
-        "constant set point",
+        "self-regulating process, slower than a tenth of the half period", "OP not at a limit", "constant set point",
     ),
     finds="stiction, from the lateness of the peaks; neither its absence nor its amount",
-    index=(0.0, math.inf),
-    process=("self_regulating",),
-    streams="exact",
-    stream_bound=0.05,
+    index=(0.0, math.inf), streams="exact", stream_bound=0.05, cost="O(n)",
     pros=("needs no OP", "uneven sampling", "one number with a plain meaning", "cheap"),
     cons=(
         "blind on levels: their wave is a triangle, R = 1",
@@ -71,8 +65,7 @@ CARD = Card(
         "lags slower than the half period and noise give R near 1: it never clears a valve",
         "square waves (very fast processes) have no peak",
     ),
-    cost="O(n)",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -156,11 +149,8 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     late = lateness(used, p.resamples, p.seed, p.coverage)
     logs = [math.log(half.area_before / half.area_after) for half in used]
     evidence |= {
-        "R": late.R,
-        "R_median": math.exp(percentile(np.array(logs), 50.0)),
-        "low": late.low,
-        "high": late.high,
-    }
+        "R": late.R, "R_median": math.exp(percentile(np.array(logs), 50.0)), "low": late.low, "high": late.high,
+    }  # fmt: skip
     evidence |= {f"R_{side}": of.R for side, of in late.sides.items()}
     triangular = sum(half.triangle_misfit for half in used) < sum(half.sine_misfit for half in used)
     word, why = _word(late, seen, triangular, p)
@@ -195,13 +185,9 @@ def _too_few(
 
 
 _FAULTS = {
-    "short": "too few samples",
-    "flat": "flat top",
-    "two_peaks": "two separate peaks",
-    "length": "length far from half a period",
-    "low": "too low",
-    "gap": "the peak falls into a gap",
-}
+    "short": "too few samples", "flat": "flat top", "two_peaks": "two separate peaks",
+    "length": "length far from half a period", "low": "too low", "gap": "the peak falls into a gap",
+}  # fmt: skip
 
 
 def _word(late: Lateness, seen: Cycles, triangular: bool, p: Params) -> tuple[Word, str]:

@@ -43,40 +43,30 @@ from stickslip.detect.signals.surrogates import end_matched, phase_randomised
 from stickslip.detect.stem.recent import blocks
 from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
-from stickslip.logs.arrays import Indices, Values
+from stickslip.logs.arrays import Values
 
 NAME = "bicoherence"
 LENGTH, POINTS = 64, 128  # of a segment and of its DFT, as in the paper
 CHI2 = 5.991464547107979  # 95 % of chi squared with two degrees of freedom
 
 CARD = Card(
-    name=NAME,
-    title="Bicoherence and PV-OP ellipse",
+    name=NAME, title="Bicoherence and PV-OP ellipse",
     source="Choudhury, Shah and Thornhill 2004, Automatica 40:1719; 2006, Control Eng. Practice 14:1395",
-    signals=("SP", "PV", "OP"),
+    signals=("SP", "PV", "OP"), process=("self_regulating",),
     assumes=(
-        "locally linear process",
-        "no non-linear disturbance",
-        "constant set point",
-        "a wave that is not symmetric",
+        "locally linear process", "no non-linear disturbance", "constant set point", "a wave that is not symmetric",
     ),
     finds="whether the loop is non-linear (NLI), and the apparent stiction [% of OP]",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n) for 1000 pairs of frequencies, 40 times", experimental=True,
     stream_note="The spectra are averages over segments of one record, whose length follows from its period.",
     pros=(
-        "separates a linear loop from a non-linear one",
-        "sizes what it finds",
+        "separates a linear loop from a non-linear one", "sizes what it finds",
         "calibrated on the record's own spectrum",
     ),
     cons=("long records", "blind on symmetric waves", "any non-linearity counts", "the size is apparent"),
-    cost="O(n) for 1000 pairs of frequencies, 40 times",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "raw_pv", "fine_pv"),
-    cycles=12.0,
-    samples=(10.0, math.inf),
-)
+    cycles=12.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -136,12 +126,6 @@ class Ellipse(NamedTuple):
         return 2.0 * self.m * self.n / math.hypot(self.m * math.sin(self.angle), self.n * math.cos(self.angle))
 
 
-def _triangle() -> tuple[Indices, Indices]:
-    i, j = np.meshgrid(np.arange(1, POINTS // 2), np.arange(1, POINTS // 2), indexing="ij")
-    inside = (j <= i) & (i + j < POINTS // 2)
-    return i[inside], j[inside]
-
-
 def bicoherence(x: Values) -> Bicoherence:
     """The bicoherence of x (n,), n at least one segment.
 
@@ -157,7 +141,8 @@ def bicoherence(x: Values) -> Bicoherence:
     parts = np.lib.stride_tricks.sliding_window_view(x, LENGTH)[:: LENGTH // 2]
     parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(LENGTH)
     lines = np.fft.rfft(parts, POINTS, axis=1)
-    i, j = _triangle()
+    i, j = np.meshgrid(np.arange(1, POINTS // 2), np.arange(1, POINTS // 2), indexing="ij")
+    i, j = (each[(j <= i) & (i + j < POINTS // 2)] for each in (i, j))
     pair, both = lines[:, i] * lines[:, j], lines[:, i + j]
     power = np.mean(np.abs(pair) ** 2, axis=0) * np.mean(np.abs(both) ** 2, axis=0)
     squared = np.abs(np.mean(pair * both.conj(), axis=0)) ** 2 / (power + np.percentile(power, 75.0) + 1e-300)

@@ -36,21 +36,15 @@ from stickslip.logs.arrays import Indices, Values
 NAME = "change_no_change"
 
 CARD = Card(
-    name=NAME,
-    title="Change and no change",
-    source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
-    signals=("OP", "MV", "PV"),
+    name=NAME, title="Change and no change", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "short dead time"),
     finds="stiction, from the time that the stem stands while OP travels; the travel in % of OP",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("simple", "no oscillation needed", "gives the travel"),
     cons=("limits belong to each loop", "the travel is less than S", "noise hides it", "slow processes without MV"),
-    experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -171,17 +165,8 @@ remember, recall = pooled(_seen, _judged, most=800)
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time, with the intervals that count shaded."""
-    from stickslip.detect.figures.verdict import finish
-    from stickslip.logs.style import INK, SOFT
+    from stickslip.detect.figures.verdict import draw_stands
 
-    top, low = figure.subplots(2, 1, sharex=True)
-    shown = slice(0, 800)
-    t = v.array("t")[shown]
-    top.plot(t, v.array("u")[shown], color=INK)
-    low.plot(t, v.array("y")[shown], color=INK)
-    for a, b in zip(v.array("first"), v.array("last"), strict=True):
-        if a < t[-1]:
-            for axes in (top, low):
-                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
-    finish(top, "", "OP")
-    finish(low, "time [s]", "MV" if v.array("mv")[0] else "PV")
+    signals = {"OP": v.array("u")[:800], "MV" if v.array("mv")[0] else "PV": v.array("y")[:800]}
+    stands = np.column_stack([v.array("first"), v.array("last")]).tolist()
+    draw_stands(figure.subplots(2, 1, sharex=True), v.array("t")[:800], signals, stands)

@@ -37,24 +37,16 @@ NAME = "cross_correlation"
 LAGS: Values = np.linspace(-1.0, 1.0, 401)  # of the period, at which r is kept
 
 CARD = Card(
-    name=NAME,
-    title="Cross-correlation",
-    source="Horch 1999, Control Eng. Practice 7:1221",
-    signals=("OP", "PV"),
+    name=NAME, title="Cross-correlation", source="Horch 1999, Control Eng. Practice 7:1221",
+    signals=("OP", "PV"), process=("self_regulating",),
     assumes=("self-regulating process", "PI controller", "one period, of the loop's own making", "constant set point"),
     finds="stiction against outside sines and tight tuning, from the phase between OP and PV; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n log n)", experimental=True,
     pros=("routine data only", "shrugs off noise", "no shape needed"),
     cons=("blind on levels", "turned by dead time and strong P or D action", "outside waves that are no sines"),
-    cost="O(n log n)",
-    experimental=True,
     needs=("oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_pv"),
-    cycles=5.0,
-    samples=(10.0, math.inf),
-)
+    cycles=5.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -178,10 +170,7 @@ def _word(found: Symmetry, p: Params) -> tuple[Word, str]:
         return "inconclusive", f"they contradict each other (d_rho of sines would be {expected:.2f}), as several or "\
                                "drifting waves do"  # fmt: skip
     if found.d_tau > p.tau_stiction:
-        return (
-            "stiction",
-            "OP and PV are about a quarter of a period apart, as stiction under PI control makes them",
-        )
+        return "stiction", "OP and PV are about a quarter of a period apart, as stiction under PI control makes them"
     if found.d_tau < p.tau_none:
         return "inconclusive", (
             "OP and PV are about half a period or none apart, as an outside wave or tight tuning makes them; a sticky "

@@ -37,24 +37,16 @@ from stickslip.logs.arrays import Values
 NAME = "curve_fit"
 
 CARD = Card(
-    name=NAME,
-    title="Curve fit",
-    source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
-    signals=("OP", "PV"),
+    name=NAME, title="Curve fit", source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
     finds="whether a square wave of the valve is behind the signal after the first integrator; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n)", experimental=True,
     pros=("levels too", "waves with a late apex", "each half wave by itself, so the period may drift"),
     cons=("the kind of process must be known", "outside squares and triangles look the same", "rounded by dead time"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_op", "follows"),
-    cycles=3.0,
-    samples=(12.0, math.inf),
-)
+    cycles=3.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -137,9 +129,8 @@ remember, recall = pooled(_seen, _judged)
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
     if index >= p.SI_stiction and low > 0.5:
-        return (
-            "stiction",
-            "the half waves are triangles, as an integrator makes them of the square wave of a stuck valve",
+        return "stiction", (
+            "the half waves are triangles, as an integrator makes them of the square wave of a stuck valve"
         )
     if index <= p.SI_sine:
         return "inconclusive", (

@@ -36,21 +36,16 @@ NAME = "dead_travel"
 SHOWN = 8.0  # turns of OP in the picture
 
 CARD = Card(
-    name=NAME,
-    title="Dead travel by likelihood",
-    source="ours; likelihood as in Ljung 1999, System Identification",
-    signals=("OP", "PV"),
+    name=NAME, title="Dead travel by likelihood", source="ours; likelihood as in Ljung 1999, System Identification",
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("PV answers OP one sample late or more", "linear process in the range seen, but for the rivals"),
     finds="dead travel S with its interval, a jump where it gains, or the S that is excluded; in nats",
-    index=(-math.inf, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(-math.inf, math.inf), streams="window", cost="O(n) for each of some 100 stems",
     stream_note="The likelihood starts the stem anew for every S that it tries, so it needs the samples themselves.",
     pros=("no oscillation needed", "set point may move", "exact in closed loop", "adds up over days"),
     cons=("play looks like stick", "no answer where PV is drawn by a historian"),
-    cost="O(n) for each of some 100 stems",
     needs=("raw_pv", "raw_op"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -44,29 +44,19 @@ NAME = "derivative_histogram"
 EDGES: Values = np.linspace(-4.0, 4.0, 41)  # in standard deviations of the derivative
 
 CARD = Card(
-    name=NAME,
-    title="Histogram of the derivative",
-    source="Horch, PhD thesis, KTH 2000; Horch 2006, IFAC ADCHEM",
-    signals=("PV",),
+    name=NAME, title="Histogram of the derivative", source="Horch, PhD thesis, KTH 2000; Horch 2006, IFAC ADCHEM",
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "little noise", "constant set point"),
     finds="whether PV (level: its rate) jumps and stays, as behind a sticky valve, or swings like a sine; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, cost="O(n)", experimental=True,
     pros=("needs no OP", "levels too", "no crossings needed"),
     cons=(
-        "hangs on its filter",
-        "waves that swell and fade look like stiction",
-        "the kind of process must be known",
+        "hangs on its filter", "waves that swell and fade look like stiction", "the kind of process must be known",
         "outside squares look the same",
     ),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv"),
-    cycles=5.0,
-    samples=(12.0, math.inf),
-)
+    cycles=5.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -204,9 +194,8 @@ def noise_share(loop: Prepared, cut: float, order: int, variance: float) -> floa
 
 def _word(found: Humps, share: float, p: Params) -> tuple[Word, str]:
     if share > p.noise_max:
-        return (
-            "inconclusive",
-            f"noise makes {share:.0%} of its variance ({p.noise_max:.0%} allowed), and noise is a bell",
+        return "inconclusive", (
+            f"noise makes {share:.0%} of its variance ({p.noise_max:.0%} allowed), and noise is a bell"
         )
     if found.q > p.q_stiction:
         return "stiction", "a bell fits it better than two humps, as where PV jumps and stays"

@@ -37,24 +37,18 @@ NAME = "dtw_shapes"
 POINTS = 64
 
 CARD = Card(
-    name=NAME,
-    title="Templates by time warping",
+    name=NAME, title="Templates by time warping",
     source="Srinivasan, Rengaswamy and Miller 2005, Ind. Eng. Chem. Res. 44:6708",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "constant set point"),
     finds="whether OP is triangular while PV is square (level: PV triangular), cycle by cycle; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(cycles templates 64 6)", experimental=True,
     stream_note="Every cycle is scaled by the period of the record before it is compared.",
     pros=("every cycle by itself", "small wobbles of the period do not matter", "names the shape"),
     cons=("the kind of process must be known", "noise above 30 % of the wave", "few templates"),
-    cost="O(cycles templates 64 6)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=5.0,
-    samples=(20.0, math.inf),
-)
+    cycles=5.0, samples=(20.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -45,23 +45,17 @@ from stickslip.logs.arrays import Values
 NAME = "hagglund2011"
 
 CARD = Card(
-    name=NAME,
-    title="Hagglund shape index",
+    name=NAME, title="Hagglund shape index",
     source="Hagglund 2011, Control Eng. Practice 19:782; backlash 2007, J. Process Control 17:489",
-    signals=("SP", "PV"),
+    signals=("SP", "PV"), process=("self_regulating",),
     assumes=("sustained oscillation of the loop's own making", "process fast against the half period", "constant SP"),
     finds="whether PV is square, as a sticky valve makes it in a fast loop; a dead band where the controller is known",
-    index=(-1.0, 1.0),
-    process=("self_regulating",),
-    streams="exact",
+    index=(-1.0, 1.0), streams="exact", cost="O(1) per sample", experimental=True,
     pros=("runs in the controller", "no period needed", "a few kB of memory"),
     cons=("misses slow processes", "the dead band is at most S - J / 2", "noise", "an outside square looks the same"),
-    cost="O(1) per sample",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "fine_pv"),
-    cycles=5.0,
-    samples=(16.0, math.inf),
-)
+    cycles=5.0, samples=(16.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -213,7 +207,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
         return no("no_oscillation", f"The periods of e spread too much for an oscillation: regularity {regularity:.2g} "
                                     f"(limit {p.regularity_min:g}).")  # fmt: skip
     v_sine, v_square = np.array([half.v_sine for half in used]), np.array([half.v_square for half in used])
-    of_each = (v_sine - v_square) / np.maximum(v_sine + v_square, 1e-300)
+    of_each = np.array([half.shape_index for half in used])
     index = float(of_each.mean())
     low, high = interval(lambda means: means[:, 0], of_each[:, None])
     word, why = _word(index, low, p)

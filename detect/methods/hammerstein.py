@@ -45,29 +45,21 @@ NAME = "hammerstein"
 SIZES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.93, 0.96, 0.98, 0.995)
 
 CARD = Card(
-    name=NAME,
-    title="Hammerstein model",
+    name=NAME, title="Hammerstein model",
     source="Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Bacci di Capaci et al. 2016",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=(
-        "linear process",
-        "a cycle of the loop's own making",
-        "OP swings by more than S",
+        "linear process", "a cycle of the loop's own making", "OP swings by more than S",
         "dead time below a quarter of a period",
     ),
     finds="S and J [% of OP], and how many points of fit the sticky valve gains over the linear process alone",
-    index=(-100.0, 100.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(-100.0, 100.0), streams="window", cost="O(n) for each of 130 valves", experimental=True,
     stream_note="The search for S and J runs over a whole record, so nothing can be carried from window to window.",
     pros=("sizes S and J with a region", "compared with a linear loop by the same model", "any process"),
     cons=("the slowest of the methods", "J is poorly seen behind a slow process", "non-linear processes"),
-    cost="O(n) for each of 130 valves",
-    experimental=True,
     needs=("oscillation", "own_cycle", "unsaturated", "raw_pv", "follows"),
-    cycles=5.0,
-    samples=(10.0, math.inf),
-)
+    cycles=5.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

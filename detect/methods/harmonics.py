@@ -36,24 +36,17 @@ Complex = npt.NDArray[np.complex128]
 NAME = "harmonics"
 
 CARD = Card(
-    name=NAME,
-    title="Third harmonics",
+    name=NAME, title="Third harmonics",
     source="design notes of this project, after harmonic methods of the literature",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "half waves of nearly equal length"),
     finds="whether OP is triangular while PV is square (level: PV triangular); no amount",
-    index=(-1.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(-1.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n)", experimental=True,
     pros=("no crossings needed", "shrugs off noise and offsets", "hardly ever accuses by chance"),
     cons=("abstains often", "the kind of process must be known", "never clears a valve"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=8.0,
-    samples=(12.0, math.inf),
-)
+    cycles=8.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

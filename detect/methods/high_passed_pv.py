@@ -44,24 +44,17 @@ from stickslip.logs.arrays import Values
 NAME = "high_passed_pv"
 
 CARD = Card(
-    name=NAME,
-    title="High-passed PV against OP",
-    source="Kvam, NTNU 2009, section 7.3 (idea)",
-    signals=("OP", "PV"),
+    name=NAME, title="High-passed PV against OP", source="Kvam, NTNU 2009, section 7.3 (idea)",
+    signals=("OP", "PV"), process=("integrating",),
     assumes=("integrating process", "sustained oscillation of the loop's own making", "constant set point"),
     finds="stiction before an integrating process, from the picture of OP and the flow; its apparent amount",
-    index=(0.0, 2.0),
-    process=("integrating",),
-    streams="window",
+    index=(0.0, 2.0), streams="window", cost="O(n)", experimental=True,
     stream_note="The shift and the high-pass are chosen for a whole record, so the window is judged anew each time.",
     pros=("works on levels", "gives an amount", "sines do not matter at any phase"),
     cons=("inflows that step look the same", "the amount is apparent", "dead time rounds the picture"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=5.0,
-    samples=(20.0, math.inf),
-)
+    cycles=5.0, samples=(20.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -40,22 +40,16 @@ from stickslip.logs.arrays import Indices, Values
 NAME = "parallelogram"
 
 CARD = Card(
-    name=NAME,
-    title="Parallelogram",
-    source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
-    signals=("OP", "MV", "PV"),
+    name=NAME, title="Parallelogram", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "OP range large against the noise"),
     finds="stiction or deadband from the width of the OP-MV picture; S in % of OP",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(50 n)", experimental=True,
     stream_note="The width of the play is searched for over a whole record, after PV was shifted for all of it.",
     pros=("gives S", "no oscillation needed", "set point may move"),
     cons=("a process lag opens the picture too", "S from PV low", "deadband looks the same", "blind on levels"),
-    cost="O(50 n)",
-    experimental=True,
     needs=("unsaturated", "fine_pv"),
-)
+)  # fmt: skip
 
 AT_ONCE = 64  # sticks that are made together: each takes as much memory as the record
 

@@ -55,22 +55,16 @@ from stickslip.logs.arrays import Values
 NAME = "play_fit"
 
 CARD = Card(
-    name=NAME,
-    title="Play fit",
-    source="ours, after Kano et al. 2004, DYCOPS, method B",
-    signals=("OP", "PV"),
+    name=NAME, title="Play fit", source="ours, after Kano et al. 2004, DYCOPS, method B",
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("linear process in the range seen", "the loop is closed", "OP not saturated"),
     finds="stiction with or without a cycle, set-point moves allowed; S in % of OP, or the largest S that would hide",
-    index=(0.9, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.9, math.inf), streams="window", cost="O(n) for each of 500 valves", experimental=True,
     stream_note="The fit starts stem and lag anew for every S that it tries, so it needs the samples themselves.",
     pros=("no oscillation needed", "any lag and dead time", "gives S and what would hide", "set point may move"),
     cons=("an exactly even cycle is left open", "needs reversals of OP", "S low in a steady cycle"),
-    cost="O(n) for each of 500 valves",
-    experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -194,19 +188,15 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
     lag = f.lag / turn
     no_better = f"A play does not predict PV clearly better than a lag alone ({r})"
     if f.ratio >= p.ratio:
-        return (
-            "inconclusive",
-            f"{no_better}: too little of what is left is new noise, so nothing is cleared.",
-        )
+        return "inconclusive", f"{no_better}: too little of what is left is new noise, so nothing is cleared."
     if lag > p.lag or f.explained_without < p.clearing_fit:
         why = "the lag of any wave under feedback" if lag > p.lag else "too much else moves it"
         return "inconclusive", (
             f"{no_better}; PV follows OP by {lag:.2f} half periods, {share}: {why}, so nothing is cleared."
         )
     if turned < p.reversals and not math.isfinite(loop.period):
-        return (
-            "inconclusive",
-            f"{no_better}, and OP turns back {turned} times only: a load ramp looks the same as a valve then.",
+        return "inconclusive", (
+            f"{no_better}, and OP turns back {turned} times only: a load ramp looks the same as a valve then."
         )
     if largest > p.cleared * f.travel:
         return "inconclusive", (

@@ -45,23 +45,16 @@ from stickslip.logs.arrays import Indices, Values
 NAME = "qualitative_movements"
 
 CARD = Card(
-    name=NAME,
-    title="Qualitative movements",
-    source="Yamashita 2006, Control Eng. Practice 14:503",
-    signals=("OP", "MV", "PV"),
+    name=NAME, title="Qualitative movements", source="Yamashita 2006, Control Eng. Practice 14:503",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a flow loop", "sustained oscillation of one period"),
     finds="stiction, from the order in which OP and the stem move; S in % of OP, J in the unit of the stem",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("simple", "sees irregular cycles", "gives S and J"),
     cons=("finds about half of the sticky valves", "a sine a quarter of a period behind looks the same", "noise"),
-    experimental=True,
     needs=("oscillation", "unsaturated", "fine_pv", "raw_pv"),
-    cycles=5.0,
-    samples=(12.0, math.inf),
-)
+    cycles=5.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -231,9 +224,8 @@ def _word(found: Movements, chance: float, p: Params) -> tuple[Word, str]:
         return "stiction", "OP moves while the stem stands, and the stem follows in a move of its own"
     if found.rho_3 >= p.rho - p.band:
         return "inconclusive", f"too close to {p.rho:g}, which chance makes too"
-    return (
-        "inconclusive",
-        "OP and the stem mostly move together or at odds; noise and lags do that too, which clears nothing",
+    return "inconclusive", (
+        "OP and the stem mostly move together or at odds; noise and lags do that too, which clears nothing"
     )
 
 

@@ -32,24 +32,18 @@ NAME = "qualitative_shapes"
 LETTERS = "ABCDEFG"
 
 CARD = Card(
-    name=NAME,
-    title="Qualitative shapes",
+    name=NAME, title="Qualitative shapes",
     source="Rengaswamy, Hagglund and Venkatasubramanian 2001, Eng. Appl. Artif. Intell. 14:23",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
     finds="whether the cycles after the first integrator read as triangles; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n)", experimental=True,
     stream_note="The pieces of interval halving depend on the noise and the scale of a whole record.",
     pros=("every cycle by itself", "readable letters", "unequal halves"),
     cons=("the kind of process must be known", "noise hides the bends", "outside triangles look the same"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=5.0,
-    samples=(20.0, math.inf),
-)
+    cycles=5.0, samples=(20.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -121,9 +115,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _word(triangles: float, sines: float, noise: float, p: Params) -> tuple[Word, str]:
     if noise > p.noise_max:
-        return (
-            "inconclusive",
-            f"noise is {noise:.0%} of the wave ({p.noise_max:.0%} allowed), so lines explain all bends",
+        return "inconclusive", (
+            f"noise is {noise:.0%} of the wave ({p.noise_max:.0%} allowed), so lines explain all bends"
         )
     if triangles >= p.cycles_stiction:
         return "stiction", "triangles are what the first integrator makes of the square wave of a stuck valve"

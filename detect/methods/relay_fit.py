@@ -35,24 +35,16 @@ from stickslip.logs.arrays import Values
 NAME = "relay_fit"
 
 CARD = Card(
-    name=NAME,
-    title="Relay fit",
-    source="Rossi and Scali 2005, J. Process Control 15:505",
-    signals=("PV",),
+    name=NAME, title="Relay fit", source="Rossi and Scali 2005, J. Process Control 15:505",
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "OP not at a limit", "constant set point"),
     finds="whether a relay, as a sticky valve is one, could have made the wave of PV; no amount",
-    index=(-1.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(-1.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(25 n)", experimental=True,
     pros=("any process", "needs no OP", "each half wave by itself, so the period may drift"),
     cons=("noise draws it to 0", "outside squares and triangles look the same", "blind to waves with a late apex"),
-    cost="O(25 n)",
-    experimental=True,
     needs=("oscillation", "own_cycle", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "follows"),
-    cycles=3.0,
-    samples=(12.0, math.inf),
-)
+    cycles=3.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -30,23 +30,16 @@ from stickslip.logs.arrays import Values
 NAME = "second_difference_kurtosis"
 
 CARD = Card(
-    name=NAME,
-    title="Kurtosis of the second difference",
-    source="Yamashita 2006, ESCAPE 16",
-    signals=("PV",),
+    name=NAME, title="Kurtosis of the second difference", source="Yamashita 2006, ESCAPE 16",
+    signals=("PV",), process=("integrating",),
     assumes=("integrating process", "sustained oscillation", "constant set point", "low noise"),
     finds="stiction in levels, from corners in PV; no amount",
-    index=(-2.0, math.inf),
-    process=("integrating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(-2.0, math.inf), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("made for levels", "PV alone", "no phase needed"),
     cons=("any other stepping flow bends the level in corners", "noise", "needs smoothing"),
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "known_process"),
-    cycles=4.0,
-    samples=(15.0, math.inf),
-)
+    cycles=4.0, samples=(15.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -40,22 +40,17 @@ from stickslip.logs.arrays import Values
 NAME = "segmentation"
 
 CARD = Card(
-    name=NAME,
-    title="Multi-model segmentation",
+    name=NAME, title="Multi-model segmentation",
     source="Stenman, Gustafsson and Forsman 2003, Int. J. Adapt. Control Signal Process. 17:625",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating",),
     assumes=("the stem stays for some samples", "linear process of second order", "little noise on PV"),
     finds="share of the samples at which the stem moved, and the size of its slips",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n M) for M hypotheses", experimental=True,
     stream_note="Its recursion could follow every sample, but at 60 us each, three times what all may cost.",
     pros=("no oscillation needed", "causal", "says when the stem moved"),
     cons=("noise hides the slips", "the size is a lower bound of S", "feedback biases the process it finds"),
-    cost="O(n M) for M hypotheses",
-    experimental=True,
     needs=("unsaturated", "raw_pv", "fine_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -51,22 +51,17 @@ TURNED_SHARE = 0.2  # of the turns of OP: so many must turn the stem, unless the
 NAME = "stem_play"
 
 CARD = Card(
-    name=NAME,
-    title="Stem and OP",
+    name=NAME, title="Stem and OP",
     source="ours; picture after Choudhury, Thornhill, Shah 2005, Control Eng. Practice 13:641",
-    signals=("OP", "MV"),
+    signals=("OP", "MV"), process=("self_regulating", "integrating"),
     assumes=("MV is the true stem position", "OP reverses"),
     finds="stiction from the stem itself; S, J, deadband, offset and gain of the positioner",
-    index=(0.0, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    index=(0.0, math.inf), streams="no", cost="O(n)", experimental=True,
     stream_note="A stream brings PV, OP, SP and the mode, not the stem position that this method reads.",
     pros=("nothing of the process matters", "S and J with intervals", "separates a deadband from a stick"),
     cons=("few plants log the stem",),
-    cost="O(n)",
-    experimental=True,
     needs=("mv",),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -187,20 +182,16 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV picture, both over time with the stands shaded, and S and J of every stand."""
-    from stickslip.detect.figures.verdict import finish
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_stands, finish
+    from stickslip.logs.style import INK, SOFT
 
     grid = figure.add_gridspec(2, 3, width_ratios=(2, 3, 1))
     left, top, low = (figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]))
     right = figure.add_subplot(grid[:, 2])
-    t, u, mv = v.array("t")[:600], v.array("u"), v.array("mv")
+    u, mv = v.array("u"), v.array("mv")
     left.plot(u[:3000], mv[:3000], color=SOFT, lw=0.6, marker=".", ms=2)
-    for axes, y, name in ((top, u, "OP"), (low, mv, "MV")):
-        axes.plot(t, y[:600], color=INK)
-        axes.set_ylabel(name)
-        for a, b in zip(v.array("first"), v.array("last"), strict=True):
-            if a < t[-1]:
-                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
+    stands = np.column_stack([v.array("first"), v.array("last")]).tolist()
+    draw_stands((top, low), v.array("t")[:600], {"OP": u[:600], "MV": mv[:600]}, stands)
     rng = np.random.default_rng(0)
     for x, name in ((0.0, "S"), (1.0, "J")):
         each = v.array(f"{name}_each")
@@ -208,7 +199,5 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         right.errorbar([x], v.array(name), color=INK, fmt="_", ms=16)
     right.set_xticks([0, 1], ["S", "J"])
     right.set_ylim(bottom=0.0)
-    tidy(top)
     finish(left, "OP", "MV")
-    finish(low, "time [s]")
     finish(right, "", "", "% of OP")

@@ -36,25 +36,17 @@ NAME = "surrogates"
 FLOOR_SHARE = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
 
 CARD = Card(
-    name=NAME,
-    title="Surrogate predictability",
-    source="Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434",
-    signals=("PV",),
+    name=NAME, title="Surrogate predictability", source="Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434",
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation", "stationary mean", "raw samples"),
     finds="whether the wave is non-linear; ranks the tags of one oscillation, the largest N nearest to its source",
-    index=(0.0, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, math.inf), streams="window", cost="O(M n^2 E)", experimental=True, accuses=False,
     stream_note="Surrogates are made of the spectrum of one record, and the window must hold twelve cycles.",
     pros=("any tag, not only loops", "any kind of non-linearity", "no model"),
     cons=("does not say what is non-linear", "exact repetition looks linear", "sensitive to the ends of the record"),
-    cost="O(M n^2 E)",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "raw_pv", "fine_pv"),
-    cycles=12.0,
-    samples=(7.0, math.inf),
-    accuses=False,
-)
+    cycles=12.0, samples=(7.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -45,26 +45,19 @@ from stickslip.logs.arrays import Mask, Values
 NAME = "window_tests"
 
 CARD = Card(
-    name=NAME,
-    title="Window tests",
-    source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
-    signals=("OP", "MV", "PV"),
+    name=NAME, title="Window tests", source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast process", "white noise", "constant set point"),
     finds="stiction, from windows in which OP changes and PV does not; the travel of OP in %",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", experimental=True,
     stream_note="Its rival, the linear twins of the record, are made of a whole record.",
     pros=("simple", "no oscillation needed", "every limit is a level of significance"),
     cons=(
-        "slow processes",
-        "the travel counts in whole windows",
-        "noise hides changes of PV",
+        "slow processes", "the travel counts in whole windows", "noise hides changes of PV",
         "the published limit of 0 calls every loop",
     ),
-    experimental=True,
     needs=("constant_sp", "unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -182,10 +175,7 @@ def _word(omega: float, opposite: float, chance: float, turned: int, name: str, 
     if omega > p.omega and turned < p.reversals:
         return "inconclusive", f"OP turns back {turned} times ({p.reversals} needed), and a load ramp looks the same"
     if omega > p.omega and omega < p.beyond * chance:
-        return (
-            "inconclusive",
-            f"a lag without sticking makes {chance:.2f}; {p.beyond:g} times that is needed",
-        )
+        return "inconclusive", f"a lag without sticking makes {chance:.2f}; {p.beyond:g} times that is needed"
     if omega > p.omega and omega > p.excess * opposite:
         return "stiction", f"{name} stays while OP changes, more than chance would have it"
     if omega > p.omega:
@@ -195,16 +185,10 @@ def _word(omega: float, opposite: float, chance: float, turned: int, name: str, 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time with the flagged windows shaded."""
-    from stickslip.detect.figures.verdict import finish
-    from stickslip.logs.style import INK, SOFT
+    from stickslip.detect.figures.verdict import draw_stands
 
-    top, low = figure.subplots(2, 1, sharex=True)
-    t, w = v.array("t"), int(v.array("w")[0])
-    shown = slice(0, min(800, len(t)))
-    for axes, name, label in ((top, "u", "OP"), (low, "y", "MV" if v.array("mv")[0] else "PV")):
-        axes.plot(t[shown], v.array(name)[shown], color=INK)
-        for k in np.flatnonzero(v.array("flagged")) + 1:
-            if (k + 1) * w <= shown.stop:
-                axes.axvspan(t[k * w], t[(k + 1) * w - 1], color=SOFT, alpha=0.3, lw=0)
-        finish(axes, "", label)
-    low.set_xlabel("time [s]")
+    t, w = v.array("t")[:800], int(v.array("w")[0])
+    signals = {"OP": v.array("u")[:800], "MV" if v.array("mv")[0] else "PV": v.array("y")[:800]}
+    first = w * (np.flatnonzero(v.array("flagged")) + 1)
+    stands = [(t[a], t[a + w - 1]) for a in first.tolist() if a + w <= len(t)]
+    draw_stands(figure.subplots(2, 1, sharex=True), t, signals, stands)

@@ -57,15 +57,14 @@ _SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
 
 CARD = replace(
     GATE_CARD,
-    name="acf_crossings",
-    title="ACF zero crossings",
+    name="acf_crossings", title="ACF zero crossings",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
     assumes=("one dominant period", "three cycles or more"),
     finds="whether the loop oscillates, its period and regularity",
+    cost="O(n log n)",
     pros=("noise of any colour seldom passes", "the period may drift", "no tuning per loop"),
     cons=("two mixed periods lower the regularity", "needs four cycles, and more in slow noise"),
-    cost="O(n log n)",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -226,7 +225,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
 
 def _beat(y: Values, p: Params) -> Beat:
     """Standard deviation of y (n,), crossings of its autocorrelation, and what ``acf_kernels.beat`` says of them."""
-    from stickslip.detect.oscillation.acf_kernels import beat, centred, powers, short_beat
+    from stickslip.detect.oscillation.acf_kernels import beat, centred, short_beat
 
     n = len(y)
     if n <= _SHORT:
@@ -235,8 +234,7 @@ def _beat(y: Values, p: Params) -> Beat:
     padded = np.zeros(_quick_length(2 * n))
     std = centred(y, padded)
     spectrum = np.fft.rfft(padded)
-    power = np.empty(len(spectrum))
-    powers(spectrum, power)
+    power = spectrum.real**2 + spectrum.imag**2
     return std, *beat(np.fft.irfft(power)[:n], p.band, p.crossings)
 
 
@@ -268,11 +266,8 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
 def _strongest_period(y: Values, dt: float) -> float:
     """Period of the highest spectral line with at least three cycles in the record [s]."""
-    from stickslip.detect.oscillation.acf_kernels import powers
-
     spectrum = np.fft.rfft(y * _hanning(len(y)))[3:]
-    power = np.empty(len(spectrum))
-    powers(spectrum, power)
+    power = spectrum.real**2 + spectrum.imag**2
     return len(y) * dt / (3 + int(power.argmax()))
 
 

@@ -19,16 +19,14 @@ from stickslip.logs import LoopRecord
 
 CARD = replace(
     GATE_CARD,
-    name="forsman_stattin",
-    title="Likeness of half periods",
+    name="forsman_stattin", title="Likeness of half periods",
     source="Forsman and Stattin 1999, European Control Conference",
     assumes=("e is centred on zero",),
     finds="which share of the half periods resemble the one before them",
-    index=(0.0, 1.0),
+    index=(0.0, 1.0), cost="O(n)",
     pros=("unlike half waves above and below do no harm", "slow changes of period or amplitude pass"),
     cons=("noise adds crossings", "an offset or drift takes them away"),
-    cost="O(n)",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

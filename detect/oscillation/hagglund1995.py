@@ -19,23 +19,20 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from stickslip.detect.oscillation.gate import GATE_CARD, REGULARITY_MAX, Gate
+from stickslip.detect.oscillation.even import regularity
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
 CARD = replace(
     GATE_CARD,
-    name="hagglund1995",
-    title="Load counting (IAE)",
-    source="Hagglund 1995, Control Eng. Practice 3:1543",
+    name="hagglund1995", title="Load counting (IAE)", source="Hagglund 1995, Control Eng. Practice 3:1543",
     assumes=("e is centred on zero",),
     finds="whether the loop oscillates by more than a tolerated amplitude, its period",
-    index=(0.0, math.inf),
-    streams="exact",
+    index=(0.0, math.inf), streams="exact", cost="O(1) per sample",
     pros=("a few numbers of memory", "physical tolerance"),
     cons=("needs a tolerated amplitude", "noise chops the lobes", "an offset of e hides it"),
-    cost="O(1) per sample",
-)
+)  # fmt: skip
 _KEPT = 11  # crossings remembered, as in the ACF gate
 
 
@@ -118,17 +115,13 @@ def gate(p: Params, s: State) -> Gate:
     amplitude = 0.5 * math.pi * s.mean_abs
     if len(intervals) < 3:
         return Gate.none(f"{len(intervals)} whole half periods so far.", amplitude)
-    spread = float(np.std(intervals, ddof=1))
-    mean = float(np.mean(intervals))
-    regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
-    period = 2 * float(np.median(intervals))
-    cycles = (s.t - s.first) / period
-    oscillating = s.x > p.n_lim and regularity > p.regularity_min
+    r, period = regularity(intervals), 2 * float(np.median(intervals))
+    oscillating = s.x > p.n_lim and r > p.regularity_min
     reason = (
         f"{'Oscillating' if oscillating else 'Not oscillating'}: load count {s.x:.1f} (limit {p.n_lim:g}), "
-        f"period {period:.4g} s, regularity {regularity:.2g} (limit {p.regularity_min:g})."
+        f"period {period:.4g} s, regularity {r:.2g} (limit {p.regularity_min:g})."
     )
-    return Gate(oscillating, period, regularity, amplitude, cycles, reason)
+    return Gate(oscillating, period, r, amplitude, (s.t - s.first) / period, reason)
 
 
 def find(record: LoopRecord, p: Params | None = None) -> Gate:

@@ -23,16 +23,13 @@ from stickslip.logs.arrays import Values
 
 CARD = replace(
     GATE_CARD,
-    name="miao_seborg",
-    title="Decay ratio of the ACF",
-    source="Miao and Seborg 1999, Control Eng. Practice 7:73",
+    name="miao_seborg", title="Decay ratio of the ACF", source="Miao and Seborg 1999, Control Eng. Practice 7:73",
     assumes=("one dominant period",),
     finds="whether an oscillation lasts (R near 1) or is well damped (R near 0)",
-    index=(0.0, 1.0),
+    index=(0.0, 1.0), cost="O(n log n)",
     pros=("separates sustained from damped", "noise stands at lag 0 only"),
     cons=("several periods mix", "a drift hides the crossings of the ACF"),
-    cost="O(n log n)",
-)
+)  # fmt: skip
 LOBES = 5  # between the crossings of the ACF: two maxima and three minima, or the other way round
 
 

@@ -25,16 +25,14 @@ from stickslip.logs.arrays import Values
 
 CARD = replace(
     GATE_CARD,
-    name="salsbury_singhal",
-    title="Poles of an ARMA model",
+    name="salsbury_singhal", title="Poles of an ARMA model",
     source="Salsbury and Singhal 2005, American Control Conference",
     assumes=("one dominant period", "a wave near a sine"),
     finds="damping and period of the mode behind the wave",
-    index=(0.0, 1.0),
+    index=(0.0, 1.0), cost="O(n log n)",
     pros=("a damping that engineers know", "short records"),
     cons=("one mode only", "strong harmonics bias the damping", "the limit is a matter of choice"),
-    cost="O(n log n)",
-)
+)  # fmt: skip
 PER_PERIOD = 16
 
 

@@ -26,15 +26,14 @@ from stickslip.logs.arrays import Values
 
 CARD = replace(
     GATE_CARD,
-    name="several_periods",
-    title="Several periods at once",
+    name="several_periods", title="Several periods at once",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
     assumes=("periods that last through the record",),
     finds="every oscillation of a loop, its period, amplitude and regularity",
+    cost="O(n log n)",
     pros=("mixed periods", "noise of any smooth colour seldom passes"),
     cons=("needs six cycles of each", "a drifting period smears its line"),
-    cost="O(n log n)",
-)
+)  # fmt: skip
 
 LEVELS = 80
 UNSURE = 1.8  # 1.8 standard deviations of the logarithm of a median of few lines, which a Hann window correlates

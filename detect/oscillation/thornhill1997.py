@@ -20,15 +20,14 @@ from stickslip.logs import LoopRecord
 
 CARD = replace(
     GATE_CARD,
-    name="thornhill1997",
-    title="Regularity of IAE crossings",
+    name="thornhill1997", title="Regularity of IAE crossings",
     source="Thornhill and Hagglund 1997, Control Eng. Practice 5:1343",
     assumes=("e is centred on zero", "one dominant period"),
     finds="whether half periods are of equal length and large enough",
+    cost="O(n)",
     pros=("in time, no spectrum", "checks every half period"),
     cons=("noise adds crossings", "drift takes them away", "one period only"),
-    cost="O(n)",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,8 @@ ALWAYS: tuple[Code, ...] = (
 )  # fmt: skip
 OF_PV: tuple[Code, ...] = ("frozen_pv", "not_in_charge", "pv_unresponsive")  # no matter to a method that reads no PV
 BY_NEED: dict[str, Code] = {
-    "constant_sp": "sp_not_constant",
-    "unsaturated": "op_saturated",
-    "fine_pv": "quantised",
-    "raw_pv": "compressed",
-}
+    "constant_sp": "sp_not_constant", "unsaturated": "op_saturated", "fine_pv": "quantised", "raw_pv": "compressed",
+}  # fmt: skip
 
 
 def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdict | None:

@@ -19,12 +19,7 @@ class WholeCycles(NamedTuple):
 
 
 def whole_cycles(
-    loop: Prepared,
-    signal: Signal,
-    points: int = 64,
-    most: int = 400,
-    cut_at: float = 0.0,
-    even_halves: bool = False,
+    loop: Prepared, signal: Signal, points: int = 64, most: int = 400, cut_at: float = 0.0, even_halves: bool = False
 ) -> WholeCycles:
     """At most ``most`` cycles of a signal, evenly spread, from a crossing upwards to the next.
 

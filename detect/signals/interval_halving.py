@@ -60,7 +60,7 @@ def primitives(y: Values, noise: float, significance: float = 0.05) -> tuple[Pie
     while start < n:
         length = n - start
         if length < SHORTEST:
-            found.append(_with_last(found, start, n))
+            found.append(Piece(start, n, found[-1].name if found else "A"))
             break
         while True:
             part = y[start : start + length]
@@ -72,10 +72,6 @@ def primitives(y: Values, noise: float, significance: float = 0.05) -> tuple[Pie
         found.extend(_named(a, start, length, noise))
         start += length
     return _merged(found)
-
-
-def _with_last(found: list[Piece], start: int, stop: int) -> Piece:
-    return Piece(start, stop, found[-1].name if found else "A")
 
 
 def _fit(y: Values, noise: float, significance: float) -> Values | None:

@@ -48,9 +48,6 @@ def features_of(loop: Prepared, view: View) -> dict[str, float]:
         likely = math.log(found.S / (loop.op_percent(travel) or travel))
         share = gain / (gain + HALF_NATS)
     return network_features(view) | {
-        "dead_travel": min(max(gain, -MOST_NATS), MOST_NATS),
-        "likely_S": likely,
-        "likely_share": share,
-        "samples": math.log(view.turn * view.block),
-        "turns": math.log(len(view) / view.turn),
-    }
+        "dead_travel": min(max(gain, -MOST_NATS), MOST_NATS), "likely_S": likely, "likely_share": share,
+        "samples": math.log(view.turn * view.block), "turns": math.log(len(view) / view.turn),
+    }  # fmt: skip
