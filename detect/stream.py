@@ -7,10 +7,10 @@ be replayed or branched, and a state can be pickled.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from stickslip.logs import Log, LoopRecord
+from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
 _CHUNK = 64  # appending copies at most so many rows
@@ -95,21 +95,3 @@ class Buffer:
             name=facts.name, op_span=facts.op_span,
         )  # fmt: skip
         return replace(record, process=facts.process, measurement=facts.measurement)  # type: ignore[arg-type]
-
-
-def replay(twin: Any, record: LoopRecord, p: Any) -> Any:
-    """Feed a record sample by sample to a streaming twin (``window_twin.twin_of``) and return its final state.
-
-    Bad samples go in as NaN, as a gateway would deliver them.
-    """
-    state = twin.init(p, LoopFacts.of(record))
-    log: Log = record.log
-    pv = np.where(log.good(record.pv_name), record.pv, np.nan)
-    op = np.where(log.good(record.op_name), record.op, np.nan)
-    sp = np.full(len(record), np.nan)
-    if record.sp is not None and record.sp_name is not None:
-        sp = np.where(log.good(record.sp_name), record.sp, np.nan)
-    mode = np.ones(len(record)) if record.mode is None else record.mode
-    for t, *row in zip(record.t, pv, op, sp, mode, strict=True):
-        state = twin.update(p, state, float(t), Sample(*map(float, row)))
-    return state

@@ -48,26 +48,6 @@ class HalfCycle(NamedTuple):
         return self.end - self.start
 
 
-def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) -> HalfCycle:
-    """The half cycle of x between the crossings ``start`` and ``end`` [s].
-
-    Parameters: ``t``, ``x`` ((n,)) The signal, reaching beyond the half cycle if it can; x centred on its baseline;
-    ``noise`` (float) Noise left in x [unit of x]. Samples within one ``noise`` of the highest are the top, and the peak
-    is the centre of the top weighted by height; without noise it is interpolated between samples.
-
-    The lines through the two samples on either side meet in a corner (exact for a triangle, near exact for an
-    exponential); the parabola through three samples is exact for a round top. The corner is believed when the
-    slope breaks there by more than KINK times what the curvature on either side would explain.
-    """
-    from stickslip.detect.half_waves.half_cycle_kernels import FAULTS, half_cycle
-
-    fault, peak_time, peak, before, after, samples, sine, triangle = half_cycle(
-        np.ascontiguousarray(t), np.ascontiguousarray(x), start, end, noise, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS_SHARE,
-        KINK,
-    )  # fmt: skip
-    return HalfCycle(start, peak_time, end, peak, before, after, samples, sine, triangle, FAULTS[fault])
-
-
 def in_pieces(
     t: Values, x: Values, bounds: Indices, periods: Values, smooth_max: float, noise_share: float,
     drift_share: float,

@@ -146,11 +146,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     found = flags(u, y, w, p.alpha)
     omega, opposite = float(np.mean(found.means)), float(np.mean(found.opposite))
     travel = _travel(u, found.means, w)
-    turned = len(turn_time(u, loop.samples_per_period)[0])
-    _, turn = turn_time(u, loop.samples_per_period)
+    at, turn = turn_time(u, loop.samples_per_period)
     sign = 1.0 if name == "MV" else controller_sign(u, grid.e)
     chance = max(float(np.mean(flags(u, twin, w, p.alpha).means)) for twin in linear_twins(u, y, turn, sign))
-    word, why = _word(omega, opposite, chance, turned, name, p)
+    word, why = _word(omega, opposite, chance, len(at), name, p)
     size = float(np.percentile(travel, 95)) if len(travel) else math.nan
     amount = loop.op_percent(size) if word == "stiction" else None
     reason = (

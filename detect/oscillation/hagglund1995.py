@@ -149,7 +149,7 @@ def find(record: LoopRecord, p: Params | None = None) -> Gate:
 
 
 def run(p: Params, t: Values, e: Values) -> State:
-    """The state after all samples e (n,) [unit of PV] at t (n,) [s], as ``update`` gives one by one; loads in a loop.
+    """The state after all samples e (n,) [unit of PV] at t (n,) [s], one after the other.
 
     Raises ValueError without samples.
 
@@ -160,42 +160,10 @@ def run(p: Params, t: Values, e: Values) -> State:
     """
     if len(t) == 0:
         raise ValueError("no samples; give at least one")
-    h, crosses = np.diff(t), ((e[:-1] > 0) != (e[1:] > 0)) & (e[:-1] != e[1:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        zero = np.where(crosses, t[:-1] + h * e[:-1] / (e[:-1] - e[1:]), np.nan)
-    size = np.abs(e)
-    area = (size[:-1] + size[1:]) * h
-    area[crosses] = (size[:-1] * (zero - t[:-1]) + size[1:] * (t[1:] - zero))[crosses]
-    total = np.concatenate([[0.0], np.cumsum(0.5 * area)])
-
-    beyond = np.flatnonzero(np.abs(e) > p.band)
-    turned = np.flatnonzero(np.diff(np.sign(e[beyond]))) + 1
-    at = beyond[turned]  # samples at which e has come out on the other side
-    last = np.maximum.accumulate(np.where(crosses, np.arange(len(h)), -1))[at - 1]
-    zeros = zero[last]
-    fresh = crosses[at - 1] & (zeros > t[at - 1])  # then the area since the crossing belongs to the new lobe
-    rest = np.where(fresh, 0.5 * size[at] * (t[at] - zeros), 0.0)
-    lobes = np.diff(total[at] - rest, prepend=0.0)
-    lengths = np.diff(zeros, prepend=t[0])
-
-    x, since, mean_abs = 0.0, float(t[0]), 0.0
-    crossed: tuple[float, ...] = (float(t[0]),)
-    for end, z, lobe, length in zip(t[at].tolist(), zeros.tolist(), lobes.tolist(), lengths.tolist(), strict=True):
-        x = _faded(p, x, crossed, end - since)
-        w = p.w_u if p.w_u is not None else math.pi / length if length > 0 else math.inf
-        x += 1.0 if lobe > 2 * p.a / w else 0.0
-        mean = lobe / length if length > 0 else 0.0
-        mean_abs = mean if mean_abs == 0 else mean_abs + 0.2 * (mean - mean_abs)
-        crossed, since = (*crossed, z)[-_KEPT:], end
-    crossings = np.flatnonzero(crosses)
-    return State(
-        x=_faded(p, x, crossed, float(t[-1]) - since),
-        iae=float(total[-1] - (total[at[-1]] - rest[-1] if len(at) else 0.0)),
-        t=float(t[-1]), e=float(e[-1]),
-        side=_side(float(e[beyond[-1]]), p.band) if len(beyond) else 0,
-        zero=float(zero[crossings[-1]]) if len(crossings) else math.nan,
-        crossed=crossed, mean_abs=mean_abs, first=float(t[0]),
-    )  # fmt: skip
+    state = init(p)
+    for ti, ei in zip(t.tolist(), e.tolist(), strict=True):
+        state = update(p, state, ti, ei)
+    return state
 
 
 def _faded(p: Params, x: float, crossed: tuple[float, ...], h: float) -> float:

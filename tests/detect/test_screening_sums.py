@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stickslip.detect.half_waves.cycles import Params
-from stickslip.detect.half_waves.half_cycles import in_pieces, measure
+from stickslip.detect.half_waves.half_cycles import in_pieces
 from stickslip.detect.health.conditions import on_grid
 from stickslip.detect.oscillation import acf_crossings
 from stickslip.detect.oscillation.acf_crossings import significant_crossings
@@ -21,6 +21,8 @@ from stickslip.detect.signals.order import median_step, percentile, percentiles
 from stickslip.detect.signals.runs import runs, stands
 from stickslip.detect.signals.smoothing import moving_average, noise_std
 from stickslip.logs import LoopRecord
+
+from tests.detect.one_by_one import measure
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60).map(np.array)
 coarse = st.lists(st.integers(0, 2), min_size=2, max_size=200).map(lambda x: np.array(x, dtype=float))
