@@ -46,10 +46,8 @@ from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "area_ratio"
-
 CARD = Card(
-    name=NAME, title="Area ratio",
+    name="area_ratio", title="Area ratio",
     source="Singhal and Salsbury 2005, J. Process Control 15:371; Kvam, NTNU 2009, chapter 6",
     signals=("SP", "PV"), process=("self_regulating",),
     assumes=(
@@ -115,7 +113,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 
 def _refuse(code: Code, reason: str, p: Params) -> Verdict:
-    return Verdict.not_applicable(NAME, code, reason, threshold=p.R_stiction)
+    return Verdict.not_applicable(CARD.name, code, reason, threshold=p.R_stiction)
 
 
 def _survey(loop: Prepared, p: Params) -> Cycles | Verdict:
@@ -159,7 +157,7 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     of_side = "".join(f", {of.R:.2f} while PV is {side} {seen.centre}" for side, of in late.sides.items())
     reason = f"R = {late.R:.2f} (90 % interval {late.low:.2f} to {late.high:.2f}{of_side}): {why} ({found}{tail})."
     interval = (late.low, late.high)
-    return Verdict(NAME, word, late.R, p.R_stiction, reason, interval=interval, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, late.R, p.R_stiction, reason, interval=interval, evidence=evidence, draw=draw)
 
 
 def _too_few(
@@ -172,16 +170,16 @@ def _too_few(
             f"The half cycles are flat-topped ({faults.count('flat')} of {len(faults)}; {found}): a square wave has "
             f"no peak to divide it, so R is undefined. PV-OP methods can judge such a fast loop{tail}."
         )
-        return Verdict(NAME, "inconclusive", None, p.R_stiction, reason, evidence=evidence, draw=draw)
+        return Verdict(CARD.name, "inconclusive", None, p.R_stiction, reason, evidence=evidence, draw=draw)
     if worst == "short" and faults.count("short") >= p.half_cycles_min:
         reason = (
             f"{faults.count('short')} of {len(faults)} half cycles have fewer than {SAMPLES_MIN} samples "
             f"({found}, one sample each {seen.dt:.3g} s); log faster{tail}."
         )
-        return Verdict.not_applicable(NAME, "undersampled", reason, p.R_stiction, evidence, draw)
+        return Verdict.not_applicable(CARD.name, "undersampled", reason, p.R_stiction, evidence, draw)
     why = f", most often refused: {_FAULTS[worst]}" if worst else ""
     reason = f"Too few half cycles: {found}, {p.half_cycles_min} are needed{why}{tail}."
-    return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.R_stiction, evidence, draw)
+    return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.R_stiction, evidence, draw)
 
 
 _FAULTS = {

@@ -41,16 +41,15 @@ from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.surrogates import end_matched, phase_randomised
 from stickslip.detect.stem.recent import blocks
-from stickslip.detect.verdict import FigureBase, Verdict
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "bicoherence"
 LENGTH, POINTS = 64, 128  # of a segment and of its DFT, as in the paper
 CHI2 = 5.991464547107979  # 95 % of chi squared with two degrees of freedom
 
 CARD = Card(
-    name=NAME, title="Bicoherence and PV-OP ellipse",
+    name="bicoherence", title="Bicoherence and PV-OP ellipse",
     source="Choudhury, Shah and Thornhill 2004, Automatica 40:1719; 2006, Control Eng. Practice 14:1395",
     signals=("SP", "PV", "OP"), process=("self_regulating",),
     assumes=(
@@ -233,7 +232,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     segments = max(len(x) - LENGTH, 0) // (LENGTH // 2) + 1
     if segments < p.segments:
         return Verdict.not_applicable(
-            NAME, "too_few_cycles",
+            CARD.name, "too_few_cycles",
             f"At {period:.0f} samples a period the record makes {segments} segments of {LENGTH} samples; "
             f"{p.segments} are needed, {(p.segments + 1) * LENGTH / 2 / period + 3:.0f} cycles.", p.nli_min,
         )  # fmt: skip
@@ -247,9 +246,11 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "twins": np.array([twin.nli for twin in twins]),
     }  # fmt: skip
 
-    def say(word: str, why: str, amount: float | None = None) -> Verdict:
+    def say(word: Word, why: str, amount: float | None = None) -> Verdict:
         reason = f"{numbers}: {why}."
-        return Verdict(NAME, word, found.nli, nli_limit, reason, amount_percent_op=amount, evidence=evidence, draw=draw)  # type: ignore[arg-type]
+        return Verdict(
+            CARD.name, word, found.nli, nli_limit, reason, amount_percent_op=amount, evidence=evidence, draw=draw
+        )
 
     if found.ngi <= ngi_limit or found.nli <= nli_limit:
         kind = "no more than a linear loop with these lines" if found.ngi <= ngi_limit else "not Gaussian, but linear"

@@ -33,10 +33,9 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
 
-NAME = "change_no_change"
-
 CARD = Card(
-    name=NAME, title="Change and no change", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
+    name="change_no_change", title="Change and no change",
+    source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
     signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "short dead time"),
     finds="stiction, from the time that the stem stands while OP travels; the travel in % of OP",
@@ -157,7 +156,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         mean = float(np.mean(travel))
         for key, value in (("S_low", mean - half), ("S_high", mean + half)):
             evidence[key] = loop.op_percent(value) or value
-    return Verdict(NAME, word, rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=800)

@@ -33,11 +33,10 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "cross_correlation"
 LAGS: Values = np.linspace(-1.0, 1.0, 401)  # of the period, at which r is kept
 
 CARD = Card(
-    name=NAME, title="Cross-correlation", source="Horch 1999, Control Eng. Practice 7:1221",
+    name="cross_correlation", title="Cross-correlation", source="Horch 1999, Control Eng. Practice 7:1221",
     signals=("OP", "PV"), process=("self_regulating",),
     assumes=("self-regulating process", "PI controller", "one period, of the loop's own making", "constant set point"),
     finds="stiction against outside sines and tight tuning, from the phase between OP and PV; no amount",
@@ -147,7 +146,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     found = of_correlation(r)
     if found is None:
         reason = "The cross-correlation of OP and PV does not cross zero within a period: they do not swing together."
-        return Verdict(NAME, "inconclusive", None, p.tau_stiction, reason)
+        return Verdict(CARD.name, "inconclusive", None, p.tau_stiction, reason)
     word, why = _word(found, p)
     reason = f"d_tau = {found.d_tau:.2f}, d_rho = {found.d_rho:.2f}: {why} (period {loop.period:.4g} s)."
     step = loop.period * float(LAGS[1] - LAGS[0])
@@ -155,7 +154,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "lag": loop.period * LAGS, "r": found.r, "tau_l": step * found.tau_l, "tau_r": step * found.tau_r,
         "d_tau": found.d_tau, "d_rho": found.d_rho,
     }  # fmt: skip
-    return Verdict(NAME, word, found.d_tau, p.tau_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.d_tau, p.tau_stiction, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged)

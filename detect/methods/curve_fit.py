@@ -34,10 +34,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "curve_fit"
-
 CARD = Card(
-    name=NAME, title="Curve fit", source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
+    name="curve_fit", title="Curve fit", source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
     finds="whether a square wave of the valve is behind the signal after the first integrator; no amount",

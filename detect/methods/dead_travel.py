@@ -32,11 +32,11 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import Log, LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "dead_travel"
 SHOWN = 8.0  # turns of OP in the picture
 
 CARD = Card(
-    name=NAME, title="Dead travel by likelihood", source="ours; likelihood as in Ljung 1999, System Identification",
+    name="dead_travel", title="Dead travel by likelihood",
+    source="ours; likelihood as in Ljung 1999, System Identification",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("PV answers OP one sample late or more", "linear process in the range seen, but for the rivals"),
     finds="dead travel S with its interval, a jump where it gains, or the S that is excluded; in nats",
@@ -65,7 +65,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     found = loop.dead_travel
     if found is None or loop.stems is None:
         reason = "Too few samples are left in which PV and OP move: 100 rows are needed to weigh a stem."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.gain)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.gain)
     percent = loop.op_percent(1.0) is not None
     word: Word = "stiction" if found.accuses else "no_stiction" if found.clears else "inconclusive"
     if word == "stiction" and found.gain < p.gain:
@@ -84,7 +84,14 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         evidence["start"] = loop.record.log.start.replace(tzinfo=UTC).timestamp()
     amount = found.S if percent and word == "stiction" else None
     return Verdict(
-        NAME, word, found.gain, p.gain, said(found, percent), amount_percent_op=amount, evidence=evidence, draw=draw
+        CARD.name,
+        word,
+        found.gain,
+        p.gain,
+        said(found, percent),
+        amount_percent_op=amount,
+        evidence=evidence,
+        draw=draw,
     )
 
 

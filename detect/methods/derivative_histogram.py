@@ -40,11 +40,11 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "derivative_histogram"
 EDGES: Values = np.linspace(-4.0, 4.0, 41)  # in standard deviations of the derivative
 
 CARD = Card(
-    name=NAME, title="Histogram of the derivative", source="Horch, PhD thesis, KTH 2000; Horch 2006, IFAC ADCHEM",
+    name="derivative_histogram", title="Histogram of the derivative",
+    source="Horch, PhD thesis, KTH 2000; Horch 2006, IFAC ADCHEM",
     signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "little noise", "constant set point"),
     finds="whether PV (level: its rate) jumps and stays, as behind a sticky valve, or swings like a sine; no amount",
@@ -174,7 +174,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "x": 0.5 * (EDGES[1:] + EDGES[:-1]), "density": found.density, "bell": found.bell, "humps": found.humps,
         "A": found.amplitude, "s": found.noise, "order": float(order), "noise_share": share,
     }  # fmt: skip
-    return Verdict(NAME, word, found.q, p.q_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.q, p.q_stiction, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=100)

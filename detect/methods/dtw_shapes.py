@@ -33,11 +33,10 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
 
-NAME = "dtw_shapes"
 POINTS = 64
 
 CARD = Card(
-    name=NAME, title="Templates by time warping",
+    name="dtw_shapes", title="Templates by time warping",
     source="Srinivasan, Rengaswamy and Miller 2005, Ind. Eng. Chem. Res. 44:6708",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "constant set point"),
@@ -149,7 +148,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         cycles = whole_cycles(loop, signal, POINTS, cut_at=CUT, even_halves=True)
         if len(cycles.y) < p.cycles_min:
             reason = f"{len(cycles.y)} cycles of {signal} are whole; {p.cycles_min} are needed."
-            return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.cycles_stiction)
+            return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.cycles_stiction)
         means = averaged(cycles, p.noise_wanted, p.cycles_min).y
         found[signal] = means[:: -(-len(means) // p.cycles_max)]
     names, best = named(np.concatenate([found["OP"], found["PV"]]), p)
@@ -165,7 +164,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     word, why = _word(index, pv["sine"] if level else min(op["sine"], pv["sine"]), level, p)
     parts = [f"{signal} is {_listed(share)}" for signal, share in shares.items()]
     reason = f"{' and '.join(parts)} of the cycles (period {loop.period:.4g} s): {why}."
-    return Verdict(NAME, word, index, p.cycles_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.cycles_stiction, reason, evidence=evidence, draw=draw)
 
 
 def _listed(shares: dict[str, float]) -> str:

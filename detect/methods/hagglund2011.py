@@ -42,10 +42,8 @@ from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "hagglund2011"
-
 CARD = Card(
-    name=NAME, title="Hagglund shape index",
+    name="hagglund2011", title="Hagglund shape index",
     source="Hagglund 2011, Control Eng. Practice 19:782; backlash 2007, J. Process Control 17:489",
     signals=("SP", "PV"), process=("self_regulating",),
     assumes=("sustained oscillation of the loop's own making", "process fast against the half period", "constant SP"),
@@ -181,7 +179,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _no_set_point(p: Params) -> Verdict:
     return Verdict.not_applicable(
-        NAME, "signal_missing", "SP is not logged, and this method reads the control error e = SP - PV.", p.I_stiction
+        CARD.name,
+        "signal_missing",
+        "SP is not logged, and this method reads the control error e = SP - PV.",
+        p.I_stiction,
     )
 
 
@@ -189,7 +190,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     from stickslip.detect.signals.kernels import spread
 
     def no(code: Code, reason: str) -> Verdict:
-        return Verdict.not_applicable(NAME, code, reason, p.I_stiction)
+        return Verdict.not_applicable(CARD.name, code, reason, p.I_stiction)
 
     means = [half.iae / half.length for half in halves]
     typical = percentile(np.array(means), 50.0) if halves else 0.0
@@ -225,7 +226,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
         "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE), "other": np.ones(len(_PHASE)), "error_sine": v_sine,
         "error_other": v_square, "I": of_each,
     }  # fmt: skip
-    return Verdict(NAME, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
+    return Verdict(CARD.name, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
                    evidence=evidence, draw=draw)  # fmt: skip
 
 

@@ -40,12 +40,11 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Mask, Values
 
-NAME = "hammerstein"
 # Of the swing of OP. In a limit cycle OP turns just after the slip, so that S is often nearly the swing.
 SIZES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.93, 0.96, 0.98, 0.995)
 
 CARD = Card(
-    name=NAME, title="Hammerstein model",
+    name="hammerstein", title="Hammerstein model",
     source="Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Bacci di Capaci et al. 2016",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=(
@@ -213,7 +212,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "y": found.best.y, "simulated": found.best.simulated, "dt": grid.dt * each,
     }  # fmt: skip
     amount = loop.op_percent(S) if word == "stiction" else None
-    return Verdict(NAME, word, index, p.gain_min, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.gain_min, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _word(found: Search, swing: float, p: Params) -> tuple[Word, str]:

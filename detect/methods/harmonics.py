@@ -33,10 +33,9 @@ from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
 Complex = npt.NDArray[np.complex128]
-NAME = "harmonics"
 
 CARD = Card(
-    name=NAME, title="Third harmonics",
+    name="harmonics", title="Third harmonics",
     source="design notes of this project, after harmonic methods of the literature",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "half waves of nearly equal length"),
@@ -132,7 +131,7 @@ def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
         reason = (
             f"The longest stretch holds {len(op) / length * p.periods:.1f} cycles; two blocks need {2 * p.periods:g}."
         )
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.c3)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.c3)
     a = np.concatenate(amplitudes((op, pv), length, loop.samples_per_period, p.refine)).T
     step = max(length // 2, 1) * loop.stretch.dt
     middle = loop.stretch.t[0] + 0.5 * (length - 1) * loop.stretch.dt
@@ -154,7 +153,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     for name, one in (("op", a_op), ("pv", a_pv)):
         ratio = np.conj(one[0] / np.abs(one[0])) ** 3 * one[2] / np.abs(one[0])
         evidence |= {f"{name}_re": ratio.real, f"{name}_im": ratio.imag}
-    return Verdict(NAME, word, index, p.c3, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.c3, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged)

@@ -41,10 +41,8 @@ from stickslip.detect.verdict import Draw, FigureBase, Verdict
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "high_passed_pv"
-
 CARD = Card(
-    name=NAME, title="High-passed PV against OP", source="Kvam, NTNU 2009, section 7.3 (idea)",
+    name="high_passed_pv", title="High-passed PV against OP", source="Kvam, NTNU 2009, section 7.3 (idea)",
     signals=("OP", "PV"), process=("integrating",),
     assumes=("integrating process", "sustained oscillation of the loop's own making", "constant set point"),
     finds="stiction before an integrating process, from the picture of OP and the flow; its apparent amount",

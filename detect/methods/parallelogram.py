@@ -37,10 +37,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
 
-NAME = "parallelogram"
-
 CARD = Card(
-    name=NAME, title="Parallelogram", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
+    name="parallelogram", title="Parallelogram", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
     signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "OP range large against the noise"),
     finds="stiction or deadband from the width of the OP-MV picture; S in % of OP",
@@ -221,7 +219,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     for key, value in (("S_low", sizes.low), ("S_high", sizes.high)):
         evidence[key] = loop.op_percent(value) or value
-    return Verdict(NAME, word, W, p.width, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, W, p.width, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]:

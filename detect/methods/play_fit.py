@@ -52,10 +52,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "play_fit"
-
 CARD = Card(
-    name=NAME, title="Play fit", source="ours, after Kano et al. 2004, DYCOPS, method B",
+    name="play_fit", title="Play fit", source="ours, after Kano et al. 2004, DYCOPS, method B",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("linear process in the range seen", "the loop is closed", "OP not saturated"),
     finds="stiction with or without a cycle, set-point moves allowed; S in % of OP, or the largest S that would hide",
@@ -114,14 +112,14 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     grid = loop.whole
     if len(grid) < p.samples:
         reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed to weigh two models."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.ratio)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.ratio)
     at, turn = turn_time(grid.op, loop.period / grid.dt)
     if not len(at) and not math.isfinite(loop.period):
         reason = (
             "OP never turns back by a quarter of its range; a one-way drift proves nothing, because a load ramp looks "
             "the same."
         )
-        return Verdict(NAME, "inconclusive", None, p.ratio, reason)
+        return Verdict(CARD.name, "inconclusive", None, p.ratio, reason)
     k, u, y, e = _blocks(grid, turn, p.points)
     sign = controller_sign(u, e)
     kinds = (False, True) if loop.integrating is None else (loop.integrating,)
@@ -139,7 +137,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     for name, value in (("S_low", found.low), ("S_high", found.high)):
         evidence[name] = loop.op_percent(value) or value
-    return Verdict(NAME, word, found.ratio, p.ratio, why, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.ratio, p.ratio, why, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _size(loop: Prepared, amount: float) -> str:

@@ -42,10 +42,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
 
-NAME = "qualitative_movements"
-
 CARD = Card(
-    name=NAME, title="Qualitative movements", source="Yamashita 2006, Control Eng. Practice 14:503",
+    name="qualitative_movements", title="Qualitative movements", source="Yamashita 2006, Control Eng. Practice 14:503",
     signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a flow loop", "sustained oscillation of one period"),
     finds="stiction, from the order in which OP and the stem move; S in % of OP, J in the unit of the stem",
@@ -209,7 +207,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         half = 1.645 * 1.2533 * float(np.std(found.S, ddof=1)) / math.sqrt(len(found.S))  # of a median of normal values
         evidence["S_low"] = loop.op_percent(S - half) or S - half
         evidence["S_high"] = loop.op_percent(S + half) or S + half
-    return Verdict(NAME, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=1200)

@@ -28,11 +28,10 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "qualitative_shapes"
 LETTERS = "ABCDEFG"
 
 CARD = Card(
-    name=NAME, title="Qualitative shapes",
+    name="qualitative_shapes", title="Qualitative shapes",
     source="Rengaswamy, Hagglund and Venkatasubramanian 2001, Eng. Appl. Artif. Intell. 14:23",
     signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
@@ -97,7 +96,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     cycles = averaged(whole_cycles(loop, signal, points), p.noise_wanted, p.cycles_min)
     if len(cycles.y) < p.cycles_min:
         reason = f"{len(cycles.y)} cycles of {signal} are whole; {p.cycles_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.cycles_stiction)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.cycles_stiction)
     spread, read = float(np.std(cycles.y)), cycles.y[:: -(-len(cycles.y) // p.cycles_max)]
     words = [primitives(y, math.hypot(cycles.noise, p.misfit * spread)) for y in read]
     straight = np.array([share_of("CF", pieces) for pieces in words])
@@ -110,7 +109,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         f"{index:.0%} of {len(words)} cycles of {signal} are triangles and {sines:.0%} sines; the most frequent reads "
         f"{' '.join(common)} (period {loop.period:.4g} s): {why}."
     )
-    return Verdict(NAME, word, index, p.cycles_stiction, reason, evidence=_evidence(read, words, signal), draw=draw)
+    return Verdict(
+        CARD.name, word, index, p.cycles_stiction, reason, evidence=_evidence(read, words, signal), draw=draw
+    )
 
 
 def _word(triangles: float, sines: float, noise: float, p: Params) -> tuple[Word, str]:

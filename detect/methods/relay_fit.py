@@ -32,10 +32,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "relay_fit"
-
 CARD = Card(
-    name=NAME, title="Relay fit", source="Rossi and Scali 2005, J. Process Control 15:505",
+    name="relay_fit", title="Relay fit", source="Rossi and Scali 2005, J. Process Control 15:505",
     signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "OP not at a limit", "constant set point"),
     finds="whether a relay, as a sticky valve is one, could have made the wave of PV; no amount",

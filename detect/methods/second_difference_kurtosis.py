@@ -27,10 +27,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "second_difference_kurtosis"
-
 CARD = Card(
-    name=NAME, title="Kurtosis of the second difference", source="Yamashita 2006, ESCAPE 16",
+    name="second_difference_kurtosis", title="Kurtosis of the second difference", source="Yamashita 2006, ESCAPE 16",
     signals=("PV",), process=("integrating",),
     assumes=("integrating process", "sustained oscillation", "constant set point", "low noise"),
     finds="stiction in levels, from corners in PV; no amount",
@@ -109,7 +107,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     reason = f"K = {K:.2f}, 90 % interval {K - half:.2f} to {K + half:.2f}, {min(share, 1.0):.0%} noise: {why}."
     y = loop.wave("PV")
     evidence: dict[str, Values | float] = {"t": loop.stretch.t, "y": y, "d": np.diff(y, 2), "noise": share}
-    return Verdict(NAME, word, K, p.kurtosis, reason, interval=(K - half, K + half), evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, K, p.kurtosis, reason, interval=(K - half, K + half), evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=100)

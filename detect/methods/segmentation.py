@@ -37,10 +37,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "segmentation"
-
 CARD = Card(
-    name=NAME, title="Multi-model segmentation",
+    name="segmentation", title="Multi-model segmentation",
     source="Stenman, Gustafsson and Forsman 2003, Int. J. Adapt. Control Signal Process. 17:625",
     signals=("OP", "PV"), process=("self_regulating",),
     assumes=("the stem stays for some samples", "linear process of second order", "little noise on PV"),
@@ -175,7 +173,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     op, pv = grid.op[::each][: p.samples], grid.pv[::each][: p.samples]
     if len(op) < p.samples_min:
         few = f"{len(op)} samples without a gap; {p.samples_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", few, p.rate_high)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", few, p.rate_high)
     path = segment(op, pv, p)
     rate = float(np.mean(path.moved[2:]))
     stays, slips = _runs(path)
@@ -193,7 +191,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "gain": path.gain, "needed": needed,
     }  # fmt: skip
     amount = loop.op_percent(slip) if word == "stiction" else None
-    return Verdict(NAME, word, rate, p.rate_high, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, rate, p.rate_high, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _runs(path: Path) -> tuple[Values, Values]:

@@ -27,11 +27,9 @@ from stickslip.detect.prepare.pv_op_loops import SMOOTHED_AT, loops
 from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
 
-NAME = "shifted_pv"
-
 CARD = replace(
     high_passed_pv.CARD,
-    name=NAME, title="Shifted PV against OP", source="Kvam, NTNU 2009, section 7.2 (idea)",
+    name="shifted_pv", title="Shifted PV against OP", source="Kvam, NTNU 2009, section 7.2 (idea)",
     finds="stiction before an integrating process, from the corners of the curve of OP and PV; its apparent amount",
     pros=("works on levels", "gives an amount", "no derivative, so little noise"),
     cons=("a second harmonic looks like corners", "the amount is apparent", "dead time rounds the corners"),

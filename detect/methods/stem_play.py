@@ -48,10 +48,9 @@ STOOD_SHARE = (
     0.5  # share of the samples that such a stem must stand: one that lags behind OP keeps still where OP turns
 )
 TURNED_SHARE = 0.2  # of the turns of OP: so many must turn the stem, unless they agree
-NAME = "stem_play"
 
 CARD = Card(
-    name=NAME, title="Stem and OP",
+    name="stem_play", title="Stem and OP",
     source="ours; picture after Choudhury, Thornhill, Shah 2005, Control Eng. Practice 13:641",
     signals=("OP", "MV"), process=("self_regulating", "integrating"),
     assumes=("MV is the true stem position", "OP reverses"),
@@ -94,13 +93,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return refusal
     limited = next((fact for fact in loop.present if fact.code == "op_saturated"), None)
     if limited is not None and loop.record.op_span is None:
-        return Verdict.not_applicable(NAME, "op_saturated", limited.text, p.slip)
+        return Verdict.not_applicable(CARD.name, "op_saturated", limited.text, p.slip)
     grid = loop.whole
     mv = grid.mv
     if refusal := too_short(CARD, grid, p.samples, p.slip):
         return refusal
     if mv is None or not np.all(np.isfinite(mv)) or np.ptp(mv) == 0.0:
-        return Verdict.not_applicable(NAME, "signal_missing", "MV has bad samples or never moves.", p.slip)
+        return Verdict.not_applicable(CARD.name, "signal_missing", "MV has bad samples or never moves.", p.slip)
     u = grid.op
     at, turn = turn_time(u, loop.period / grid.dt)
     travel = travel_of(u, turn)
@@ -132,7 +131,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     decided = word != "inconclusive" and math.isfinite(J[0])
     return Verdict(
-        NAME, word, J[0] if math.isfinite(J[0]) else None, p.slip, why, interval=(J[1], J[2]) if decided else None,
+        CARD.name, word, J[0] if math.isfinite(J[0]) else None, p.slip, why, interval=(J[1], J[2]) if decided else None,
         amount_percent_op=loop.op_percent(found.S[0]) if word == "stiction" else None, evidence=evidence, draw=draw,
     )  # fmt: skip
 

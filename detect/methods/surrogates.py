@@ -32,11 +32,11 @@ from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 
-NAME = "surrogates"
 FLOOR_SHARE = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
 
 CARD = Card(
-    name=NAME, title="Surrogate predictability", source="Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434",
+    name="surrogates", title="Surrogate predictability",
+    source="Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434",
     signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation", "stationary mean", "raw samples"),
     finds="whether the wave is non-linear; ranks the tags of one oscillation, the largest N nearest to its source",
@@ -107,7 +107,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     x = _whole_cycles(loop, period, p.samples // period)
     if len(x) < CARD.cycles * period:
         few = f"{len(x) / period:.0f} whole cycles lie between crossings of zero; {CARD.cycles:g} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", few, p.limit)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", few, p.limit)
     twins = phase_randomised(x, p.twins, np.random.default_rng(0))
     gamma, *others = forecast_error(np.vstack([x, twins]), period, period, p.neighbours).tolist()
     signed = (float(np.mean(others)) - gamma) / (3.0 * max(float(np.std(others, ddof=1)), FLOOR_SHARE))
@@ -121,7 +121,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         f"{p.twins} linear twins over {len(x) / period:.0f} cycles: {why}. It ranks tags and judges no valve."
     )
     evidence: dict[str, Values | float] = {"gamma": gamma, "twins": np.array(others), "x": x, "twin": twins[0]}
-    return Verdict(NAME, "inconclusive", index, p.limit, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, "inconclusive", index, p.limit, reason, evidence=evidence, draw=draw)
 
 
 def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:

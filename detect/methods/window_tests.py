@@ -42,10 +42,8 @@ from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Mask, Values
 
-NAME = "window_tests"
-
 CARD = Card(
-    name=NAME, title="Window tests", source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
+    name="window_tests", title="Window tests", source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
     signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast process", "white noise", "constant set point"),
     finds="stiction, from windows in which OP changes and PV does not; the travel of OP in %",
@@ -160,7 +158,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "omega_unequal": float(np.mean(found.unequal)), "omega_variances": float(np.mean(found.variances)),
         "omega_trends": float(np.mean(found.trends)), "chance": chance, "travel": travel, "mv": float(name == "MV"),
     }  # fmt: skip
-    return Verdict(NAME, word, omega, p.omega, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, omega, p.omega, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _travel(u: Values, flagged: Mask, w: int) -> Values:
