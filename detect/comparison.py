@@ -8,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from stickslip.detect.diagnosis import ask
 from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.method import Method
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import Figure, Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LogError, LoopRecord, ReadError, read_loops
 from stickslip.logs.files.frames import frame_kind
@@ -22,9 +22,6 @@ from stickslip.logs.hint import nearest
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
 from stickslip.logs.tags import Process
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCHEMA = "stickslip.table/1"
 COLUMNS = ("loop", "method", "on trial", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
@@ -128,7 +125,7 @@ class Comparison(Shown):
         """Write ``csv()`` to a file, in UTF-8."""
         Path(path).write_text(self.csv(), encoding="utf-8")
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """The verdict of every method on every loop, with the time that the method took."""
         from stickslip.detect.figures.comparison import plot_comparison
 

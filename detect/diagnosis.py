@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
@@ -13,15 +13,12 @@ from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.harris import Harris
 from stickslip.detect.signals.swing import amplitude
 from stickslip.detect.stem.process_kind import kind_of_tag
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import Figure, Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.chances import chance
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
@@ -93,7 +90,7 @@ class Diagnosis(Shown):
             "assumptions": list(self.assumptions), "methods": [method.to_dict() for method in self.methods],
         }  # fmt: skip
 
-    def plot(self, words: bool = True) -> "Figure":
+    def plot(self, words: bool = True) -> Figure:
         """Trend of SP, PV and OP, the PV-OP curve, and what decided the verdict.
 
         ``words=False`` leaves verdict and reason to the text around the picture.

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.detect.diagnosis import Diagnosis
 from stickslip.detect.judge.answer import Answer
@@ -10,13 +10,10 @@ from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.judge.pooled import evidence_of_all, pooled
 from stickslip.detect.likelihood.pooled import Day, Evidence
 from stickslip.detect.prepare.prepared import prepared
-from stickslip.detect.verdict import Word
+from stickslip.detect.verdict import Figure, Word
 from stickslip.detect.words import WORDS
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCHEMA = "stickslip.tag/1"
 
@@ -83,7 +80,7 @@ class Tag(Shown):
             ],
         }
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """S and gain of every record, and the gain of every S over all of them."""
         from stickslip.detect.figures.tag import plot_tag
 

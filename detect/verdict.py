@@ -14,9 +14,9 @@ from stickslip.logs.shown import Shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 else:
-    FigureBase = Any  # matplotlib is loaded when something is drawn
+    Figure = FigureBase = Any  # matplotlib is loaded when something is drawn
 
-__all__ = ["Code", "Draw", "Evidence", "FigureBase", "Verdict", "VerdictError", "Word"]
+__all__ = ["Code", "Draw", "Evidence", "Figure", "FigureBase", "Verdict", "VerdictError", "Word"]
 
 Code = Literal[
     "no_oscillation", "too_few_cycles", "undersampled", "signal_missing", "op_saturated", "integrating_unknown",
@@ -126,7 +126,7 @@ class Verdict(Shown):
             "amount_percent_op": _finite(self.amount_percent_op), "experimental": self.experimental,
         }  # fmt: skip
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """The evidence as the method draws it, with the reason below."""
         from stickslip.detect.figures.verdict import plot_verdict
 

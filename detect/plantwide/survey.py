@@ -16,21 +16,19 @@ ranking, so they are shown as evidence and do not rank.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from stickslip.detect.plantwide.answers import Answer, answer_of
 from stickslip.detect.plantwide.lines import Spectra, groups, spectra
 from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
 from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT
+from stickslip.detect.verdict import Figure
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import Log, LogError, LoopRecord
 from stickslip.logs.arrays import Values
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCHEMA = "stickslip.survey/1"
 POINTS = 3000  # of the grid: more shows no group and no band that fewer hide
@@ -167,7 +165,7 @@ class Survey(Shown):
             ],
         }
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """The tags of every group over time with their spectra, and OP of the first suspect against the tag that shows
         it.
         """

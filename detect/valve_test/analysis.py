@@ -15,18 +15,16 @@ jump off routine moves; moves of OP that stand alone in it (``routine``) tell th
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from stickslip.detect.methods import stem_play
 from stickslip.detect.valve_test.routine import routine_steps
 from stickslip.detect.valve_test.steps import Step, noise_of, steps_of
+from stickslip.detect.verdict import Figure
 from stickslip.logs import LogError, LoopRecord
 from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCHEMA = "stickslip.valve-test/1"
 STEPS_MIN = 4
@@ -136,13 +134,13 @@ class ValveTest(Shown):
             "notes": list(self.notes),
         }
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """OP and the answer over time, and the answer over OP."""
         from stickslip.detect.figures.valve_test import plot_valve_test
 
         return plot_valve_test(self)
 
-    def plot_responses(self) -> "Figure | None":
+    def plot_responses(self) -> Figure | None:
         """The answers to the timed steps on one another; None without any."""
         from stickslip.detect.figures.valve_test import plot_responses
 
