@@ -1,18 +1,15 @@
 """Whether the set point swings with the loop's period: then PV follows it, and what moves SP is where to look."""
 
 import math
-from typing import TYPE_CHECKING
 
+from stickslip.logs import LoopRecord
 from stickslip.logs.oscillation import following
 from stickslip.logs.trend import rests
-
-if TYPE_CHECKING:
-    from stickslip.logs import LoopRecord
 
 SWINGS_SHARE = 0.3  # of SP's variance at the period: a set point that is stepped now and then has less
 
 
-def set_point_words(record: "LoopRecord", period: float) -> str:
+def set_point_words(record: LoopRecord, period: float) -> str:
     """Return what follows what where SP swings with the ``period`` [s] of the loop; "" where it does not.
 
     >>> import numpy as np

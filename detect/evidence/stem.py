@@ -2,17 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from stickslip.detect.signals.runs import runs
 from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 from stickslip.logs.trend import rests
-
-if TYPE_CHECKING:
-    from stickslip.logs import LoopRecord
-
 
 STILL_SHARE = 1e-6  # of OP's travel: a fitted stem that moves less stands
 MOVED_SHARE = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
@@ -49,7 +45,7 @@ class StemTrend:
         return float(np.sum(np.diff(self.sticks, axis=1))) / span if span > 0.0 else 0.0
 
 
-def stem_trend(verdicts: Sequence[Verdict], record: "LoopRecord | None" = None) -> StemTrend | str:
+def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) -> StemTrend | str:
     """The stem that the methods saw or fitted, the logged one first; a sentence that says why where there is none.
 
     A stem that ``record`` has logged is taken as it is, whether a method could judge it or not.

@@ -3,17 +3,17 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from stickslip.detect.words import WORDS
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, tidy
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from stickslip.detect.comparison import Comparison
 
 
-def plot_comparison(comparison: "Comparison") -> "Figure":
+def plot_comparison(comparison: "Comparison") -> Figure:
     """A cell a loop and method, the combined verdict in the last row, and bars of the median time [ms]."""
     names = [v.method.replace("_", " ") for v in comparison.loops[0].verdicts]
     rows, columns = len(names) + 1, len(comparison.loops)

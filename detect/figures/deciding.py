@@ -3,6 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import FigureBase
 from stickslip.detect.figures.loop_trend import named
 from stickslip.detect.figures.verdict import draw_evidence, draw_reason, finish
 from stickslip.logs.arrays import Values
@@ -10,8 +12,6 @@ from stickslip.logs.style import COLOURS, INK, PALE
 from stickslip.logs.time_axis import TimeAxis
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
     from stickslip.detect.diagnosis import Diagnosis
     from stickslip.detect.verdict import Verdict
 
@@ -38,7 +38,7 @@ def what_decided(answer: "Diagnosis") -> tuple[str, str] | None:
     return None if shown is None else (shown.method.replace("_", " ").capitalize(), shown.reason)
 
 
-def draw_deciding(answer: "Diagnosis", figure: "FigureBase") -> None:
+def draw_deciding(answer: "Diagnosis", figure: FigureBase) -> None:
     """Draw what decided the verdict on a figure or subfigure; where nothing did, the first method with evidence."""
     if answer.picture == "learnt":
         _draw_learnt(answer, figure)
@@ -61,7 +61,7 @@ def _method(answer: "Diagnosis") -> "Verdict | None":
     return next((v for v in drawn if v.method == answer.picture), None) or method.detect(answer.record)
 
 
-def _draw_learnt(answer: "Diagnosis", figure: "FigureBase") -> None:
+def _draw_learnt(answer: "Diagnosis", figure: FigureBase) -> None:
     from stickslip.detect.judge.features.channels import channels
     from stickslip.detect.judge.features.view import view_of
     from stickslip.detect.prepare.prepared import Prepared
@@ -84,7 +84,7 @@ def _draw_learnt(answer: "Diagnosis", figure: "FigureBase") -> None:
         finish(ax, f"travel of OP since its turn [{unit}]", "standard deviations, the way of OP", title, named=True)
 
 
-def _along(ax: "Axes", x: Values, y: Values) -> None:
+def _along(ax: Axes, x: Values, y: Values) -> None:
     """Points and their mean in equal parts of x."""
     ax.axhline(0.0, color=PALE, lw=0.8)
     ax.plot(x, y, ".", color=PALE, ms=3.0)
@@ -93,7 +93,7 @@ def _along(ax: "Axes", x: Values, y: Values) -> None:
     ax.plot([x[p].mean() for p in parts], [y[p].mean() for p in parts], "o-", color=COLOURS["PV"], ms=4, label="mean")
 
 
-def _draw_moves(answer: "Diagnosis", figure: "FigureBase") -> None:
+def _draw_moves(answer: "Diagnosis", figure: FigureBase) -> None:
     """OP, and beside it the stem that stands or the pace of PV that jumps."""
     from stickslip.detect.judge.own_slips import rate_of
 

@@ -5,6 +5,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure, SubFigure
 from stickslip.detect.evidence.set_point import set_point_words
 from stickslip.detect.figures.deciding import draw_deciding, what_decided
 from stickslip.detect.figures.loop_trend import draw_trends, named
@@ -14,13 +15,12 @@ from stickslip.logs.style import COLOURS
 from stickslip.logs.trend import finish_plane
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure, SubFigure
     from stickslip.detect.diagnosis import Diagnosis
 
 POINTS = 4000  # of PV against OP: more is a blot
 
 
-def plot_diagnosis(answer: "Diagnosis", words: bool = True) -> "Figure":
+def plot_diagnosis(answer: "Diagnosis", words: bool = True) -> Figure:
     """Trend, PV-OP curve and what decided; ``words`` adds the reason."""
     shown = what_decided(answer)
     figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")

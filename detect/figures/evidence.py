@@ -5,9 +5,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from stickslip.detect.figures.loop_trend import named, shown_cycles
 from stickslip.detect.figures.verdict import finish, legend
 from stickslip.detect.words import WORDS
+from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, FIT, PALE, SOFT, tidy
@@ -15,12 +18,7 @@ from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_plane, rests
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.evidence import Correlation, OverTime, Spectrum, StemTrend
-    from stickslip.logs import LoopRecord
-
-    Values = Values
 
 SMALL = (4.7, 3.5)  # inch: two beside each other on a page, one on a phone
 POINTS = 1500  # of the whole record behind the cycles: a page holds each of them
@@ -35,7 +33,7 @@ def _small() -> "tuple[Figure, Axes]":
     return figure, figure.subplots()
 
 
-def plot_pv_op(record: "LoopRecord", period: float, stem: "StemTrend | None") -> "Figure":
+def plot_pv_op(record: LoopRecord, period: float, stem: "StemTrend | None") -> Figure:
     """PV against OP: the cycles of the trend in colour on the whole record in grey."""
     figure, ax = _small()
     t0, t1 = shown_cycles(record, period, stem)
@@ -56,21 +54,21 @@ def plot_pv_op(record: "LoopRecord", period: float, stem: "StemTrend | None") ->
     return figure
 
 
-def _widest(values: "Values", cycles: "Values") -> tuple[float, float]:
+def _widest(values: Values, cycles: Values) -> tuple[float, float]:
     """Return limits that hold the cycles and nearly all of the record: a start-up would squeeze both."""
     ends = [*np.quantile(values, MOST).tolist(), *cycles[np.isfinite(cycles)].tolist()]
     room = ROOM * (max(ends) - min(ends))
     return min(ends) - room, max(ends) + room
 
 
-def _seen(x: "Values", y: "Values") -> npt.NDArray[np.int64]:
+def _seen(x: Values, y: Values) -> npt.NDArray[np.int64]:
     """Places of samples (n,) that look different in a picture: one of each cell, at most ``POINTS``."""
     cells = [np.floor(CELLS * (v - v.min()) / (np.ptp(v) or 1.0)) for v in (x, y)]
     _, first = np.unique(cells[0] * (2.0 * CELLS) + cells[1], return_index=True)
     return first[:: max(1, -(-len(first) // POINTS))]
 
 
-def plot_stem_op(record: "LoopRecord", period: float, stem: "StemTrend") -> "Figure":
+def plot_stem_op(record: LoopRecord, period: float, stem: "StemTrend") -> Figure:
     """The stem against OP: level where it sticks, steep where it slips, on the line where it follows."""
     figure, ax = _small()
     t0, t1 = shown_cycles(record, period, stem)
@@ -87,7 +85,7 @@ def plot_stem_op(record: "LoopRecord", period: float, stem: "StemTrend") -> "Fig
     return figure
 
 
-def plot_spectrum(found: "Spectrum") -> "Figure":
+def plot_spectrum(found: "Spectrum") -> Figure:
     """Amplitudes of OP and PV over frequency, with the fundamental and its harmonics marked."""
     figure, ax = _small()
     known = math.isfinite(found.fundamental)
@@ -121,7 +119,7 @@ def _per(frequency: float) -> tuple[float, str]:
     return 86400.0, "d"
 
 
-def plot_correlation(found: "Correlation") -> "Figure":
+def plot_correlation(found: "Correlation") -> Figure:
     """OP and PV each with itself above; PV behind OP below, with the lag of the closest likeness."""
     figure = Picture(figsize=SMALL, layout="constrained")
     upper, lower = figure.subplots(2, 1)
@@ -144,7 +142,7 @@ def plot_correlation(found: "Correlation") -> "Figure":
     return figure
 
 
-def plot_over_time(found: "OverTime") -> "Figure":
+def plot_over_time(found: "OverTime") -> Figure:
     """Probability of stiction and S with their 90 % intervals, window by window; a panel only for what is known.
 
     A stem that is logged answers without a probability.
@@ -163,7 +161,7 @@ def plot_over_time(found: "OverTime") -> "Figure":
     return figure
 
 
-def _chances(ax: "Axes", axis: TimeAxis, found: "OverTime") -> None:
+def _chances(ax: Axes, axis: TimeAxis, found: "OverTime") -> None:
     """The probability of every window."""
     for w in found.windows:
         if w.probability is not None:
@@ -174,7 +172,7 @@ def _chances(ax: "Axes", axis: TimeAxis, found: "OverTime") -> None:
     ax.set_ylabel("probability\nof stiction")
 
 
-def _sizes(ax: "Axes", axis: TimeAxis, found: "OverTime") -> None:
+def _sizes(ax: Axes, axis: TimeAxis, found: "OverTime") -> None:
     """S of every window with its interval; the verdict where none is called."""
     for w in found.windows:
         x = float(axis.at(np.array([0.5 * (w.start + w.end)]))[0])

@@ -3,13 +3,13 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from stickslip.detect.figures.verdict import finish
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, RED, SOFT
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.plantwide.survey import Group, Survey
 
 MOST = 12  # tags of a group that are drawn
@@ -17,7 +17,7 @@ CYCLES = 8.0  # of a group that are drawn
 POINTS = 2000
 
 
-def plot_survey(survey: "Survey") -> "Figure":
+def plot_survey(survey: "Survey") -> Figure:
     """A row a group: its strongest tags, and OP of its first suspect against the tag that shows the band."""
     rows = max(len(survey.groups), 1)
     heights = [0.9 + 0.26 * min(len(g.shares), MOST) for g in survey.groups] or [1.0]
@@ -33,7 +33,7 @@ def plot_survey(survey: "Survey") -> "Figure":
     return figure
 
 
-def _tags(ax: "Axes", survey: "Survey", group: "Group") -> None:
+def _tags(ax: Axes, survey: "Survey", group: "Group") -> None:
     """The last cycles of the tags, the strongest on top, each brought to the same height."""
     log = survey.log
     inside = log.t >= log.t[-1] - CYCLES * group.period
@@ -56,7 +56,7 @@ def _tags(ax: "Axes", survey: "Survey", group: "Group") -> None:
     ax.tick_params(axis="y", labelsize=7.5, length=0)
 
 
-def _suspect(ax: "Axes", survey: "Survey", group: "Group") -> None:
+def _suspect(ax: Axes, survey: "Survey", group: "Group") -> None:
     """OP of the first suspect against the tag that shows its band, or the ranking in words where none does."""
     suspect = group.suspects[0] if group.suspects else None
     if suspect is None or suspect.seen_in is None:

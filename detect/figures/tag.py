@@ -3,16 +3,16 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, PALE, SHADE
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from stickslip.detect.tag import Tag
 
 
-def plot_tag(tag: "Tag") -> "Figure":
+def plot_tag(tag: "Tag") -> Figure:
     """Return the picture; without evidence it holds the reason only."""
     from stickslip.detect.figures.verdict import draw_reason, finish
 

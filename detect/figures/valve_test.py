@@ -3,6 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from stickslip.detect.figures.verdict import finish
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE
@@ -11,15 +13,13 @@ from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.valve_test.analysis import ValveTest
 
 POINTS = 4000  # of the answer over OP
 BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 
-def plot_valve_test(test: "ValveTest") -> "Figure":
+def plot_valve_test(test: "ValveTest") -> Figure:
     """The trend, and the position of the valve over OP; steps without an answer are grey."""
     figure = Picture(figsize=(9.5, 4.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
@@ -41,7 +41,7 @@ def plot_valve_test(test: "ValveTest") -> "Figure":
     return figure
 
 
-def _trend(test: "ValveTest", upper: "Axes", lower: "Axes") -> None:
+def _trend(test: "ValveTest", upper: Axes, lower: Axes) -> None:
     """OP above, the answer below; grey lines at steps that were not answered, marks at those that were timed."""
     record = test.record
     op, answer = record.op_percent, record.pv if record.mv is None else record.mv
@@ -65,7 +65,7 @@ def _trend(test: "ValveTest", upper: "Axes", lower: "Axes") -> None:
     axis.finish(lower, float(record.t[0]), float(record.t[-1]))
 
 
-def plot_responses(test: "ValveTest") -> "Figure | None":
+def plot_responses(test: "ValveTest") -> Figure | None:
     """The answers to the timed steps on one another, each as a share of its final change; None without any."""
     if not test.responses:
         return None

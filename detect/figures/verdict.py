@@ -2,25 +2,23 @@
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS
 from stickslip.logs.arrays import Mask, Values
 from stickslip.logs.picture import Picture
 from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, INK, SOFT, UNUSED, tidy
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, FigureBase
-
 PV = COLOURS["PV"]
 CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 
-def plot_verdict(v: Verdict) -> "Figure":
+def plot_verdict(v: Verdict) -> Figure:
     """One figure: evidence of the method above, verdict and reason as its title."""
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
@@ -30,7 +28,7 @@ def plot_verdict(v: Verdict) -> "Figure":
     return figure
 
 
-def draw_evidence(v: Verdict, figure: "FigureBase") -> None:
+def draw_evidence(v: Verdict, figure: FigureBase) -> None:
     """The evidence of any method on a figure or subfigure; its reason when there is nothing to draw."""
     if v.draw is None or len(v.evidence) == 0:
         draw_reason(v.reason, figure)
@@ -38,7 +36,7 @@ def draw_evidence(v: Verdict, figure: "FigureBase") -> None:
         v.draw(v, figure)
 
 
-def draw_stands(panels: "Sequence[Axes]", t: Values, signals: Mapping[str, Values], stands: Sequence[Any]) -> None:
+def draw_stands(panels: Sequence[Axes], t: Values, signals: Mapping[str, Values], stands: Sequence[Any]) -> None:
     """Each signal (n,) over t (n,) [s] in a panel of its own; ``stands``, from where to where [s], are shaded."""
     for axes, (name, y) in zip(panels, signals.items(), strict=True):
         axes.plot(t, y, color=INK)
@@ -49,14 +47,14 @@ def draw_stands(panels: "Sequence[Axes]", t: Values, signals: Mapping[str, Value
     panels[-1].set_xlabel("time [s]")
 
 
-def draw_reason(text: str, figure: "FigureBase") -> None:
+def draw_reason(text: str, figure: FigureBase) -> None:
     """A sentence instead of a picture."""
     axes = figure.subplots()
     axes.axis("off")
     axes.text(0.0, 0.9, textwrap.fill(text, 100), va="top", ha="left", transform=axes.transAxes)
 
 
-def draw_half_cycles(v: Verdict, figure: "FigureBase") -> None:
+def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     """e with its half cycles cut at the peaks, and the ratio of each half cycle."""
     left, right = figure.subplots(1, 2, width_ratios=(3, 1))
     t, e = v.array("t"), v.array("e")
@@ -88,7 +86,7 @@ def draw_half_cycles(v: Verdict, figure: "FigureBase") -> None:
     _draw_ratios(v, right, used)
 
 
-def legend(axes: "Axes") -> None:
+def legend(axes: Axes) -> None:
     """Name the lines of a panel above it, where no data are."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8.5, borderpad=0.1,
@@ -96,7 +94,7 @@ def legend(axes: "Axes") -> None:
     )  # fmt: skip
 
 
-def finish(axes: "Axes", x: str = "", y: str = "", title: str = "", named: bool = False) -> None:
+def finish(axes: Axes, x: str = "", y: str = "", title: str = "", named: bool = False) -> None:
     """Label a panel, name its lines if they are ``named``, and leave it no more lines than it needs."""
     axes.set(**{of: text for of, text in (("xlabel", x), ("ylabel", y)) if text})
     if title:
@@ -106,7 +104,7 @@ def finish(axes: "Axes", x: str = "", y: str = "", title: str = "", named: bool 
     tidy(axes)
 
 
-def _draw_ratios(v: Verdict, axes: "Axes", used: Mask) -> None:
+def _draw_ratios(v: Verdict, axes: Axes, used: Mask) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = v.array("area_before") / v.array("area_after")
     below = v.array("peak") > 0  # of e = SP - PV
@@ -136,7 +134,7 @@ def _draw_ratios(v: Verdict, axes: "Axes", used: Mask) -> None:
     finish(axes, "", "", "R = A1 / A2, with 90 % band")
 
 
-def _at_line(axes: "Axes", height: float, text: str) -> None:
+def _at_line(axes: Axes, height: float, text: str) -> None:
     """Name a level at the right edge, above its line."""
     axes.annotate(
         text, (1.0, height), (-2.0, 2.0), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
