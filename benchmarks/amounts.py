@@ -114,14 +114,14 @@ def record(case: Case, stem: bool) -> LoopRecord:
 def stated(case: Case) -> list[Stated]:
     """What every method states of a case; those that read the stem are asked with it and without."""
     logged, bare = (Prepared(record(case, stem)) for stem in (True, False))
-    found = [_of(case, f"{method.NAME}, stem logged", method.detect(logged)) for method in STEMS]
-    found += [_of(case, f"{method.NAME}, PV alone", method.detect(bare)) for method in STEMS[1:]]
+    found = [_of(case, f"{method.CARD.name}, stem logged", method.detect(logged)) for method in STEMS]
+    found += [_of(case, f"{method.CARD.name}, PV alone", method.detect(bare)) for method in STEMS[1:]]
     for method in OTHERS:
         known: tuple[Any, ...] = ()
         if method is hagglund2011 and case.place in ("flow", "lag"):
             K_p, T_i, _ = CONTROLLERS[case.place]
             known = (hagglund2011.Params(K=K_p, T_i=T_i, K_p=1.0),)
-        found.append(_of(case, method.NAME, method.detect(bare, *known)))
+        found.append(_of(case, method.CARD.name, method.detect(bare, *known)))
     said = answer(bare)
     sizes = (None if size is None else size.value for size in (said.S, said.J))
     return [*found, Stated(case, "verdict of check, PV alone", *sizes)]

@@ -17,8 +17,6 @@ package is given as ``diagnose(loop, [*METHODS, mine])``; see ``Method``. ``comp
 methods side by side.
 """
 
-from __future__ import annotations
-
 from types import ModuleType
 
 from stickslip.detect.card import Card
@@ -64,19 +62,9 @@ from stickslip.detect.plantwide.survey import Survey, survey
 from stickslip.detect.verdict import Verdict
 
 __all__ = [
-    "GATES",
-    "METHODS",
-    "Card",
-    "Comparison",
-    "Diagnosis",
-    "Gate",
-    "Method",
-    "Survey",
-    "Verdict",
-    "compare",
-    "diagnose",
-    "survey",
-]
+    "GATES", "METHODS", "Card", "Comparison", "Diagnosis", "Gate", "Method", "Survey", "Verdict", "compare",
+    "diagnose", "survey",
+]  # fmt: skip
 
 METHODS: tuple[Method, ...] = (
     area_ratio, bicoherence, change_no_change, cross_correlation, curve_fit, dead_travel, derivative_histogram,
@@ -87,12 +75,6 @@ METHODS: tuple[Method, ...] = (
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (
-    acf_crossings,
-    forsman_stattin,
-    hagglund1995,
-    miao_seborg,
-    salsbury_singhal,
-    several_periods,
-    thornhill1997,
-)
+    acf_crossings, forsman_stattin, hagglund1995, miao_seborg, salsbury_singhal, several_periods, thornhill1997,
+)  # fmt: skip
 """Every oscillation detector: modules with ``find(record) -> Gate``."""

@@ -1,12 +1,8 @@
 """The card of a detector: what it needs, assumes, finds and costs, as data that tables and tests read."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal
-
-__all__ = ["Card", "Need"]
 
 Need = Literal[
     "oscillation", "own_cycle", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "raw_op", "follows", "known_process",
@@ -18,45 +14,27 @@ Need = Literal[
 class Card:
     """Facts about one method.
 
-    name : str
-        Name of the module and of the method in verdicts.
-    title, source : str
-        Title for tables; paper with year and place.
-    signals : tuple of str
-        What it reads, of "SP", "PV", "OP", "MV".
-    assumes : tuple of str
-        Conditions in words.
-    needs : tuple of Need
-        Those that are checked before the method looks at a record (``prepare.preconditions``): a sustained oscillation,
-        one of the loop's own making (``oscillation.clock``), a set point that stands still, OP away from its limits, PV
-        not on a coarse grid, PV not compressed, OP not compressed, PV that follows OP, the kind of process known, the
-        stem position logged.
-    accuses : bool
-        Whether it may say "stiction"; a method that only ranks tags or measures does not.
-    cycles : float
-        Fewest cycles of the oscillation [-].
-    samples : (low, high)
-        Points a period that the method can work with [-].
-    finds : str
-        What the index tells.
-    index : (low, high)
-        Range that the index can take [-].
-    process : tuple of {"self_regulating", "integrating"}
-        Processes it works on.
-    streams : str
-        "exact": a twin that follows every sample; "pooled": a window, and what was found in those before it; "window":
-        the last samples alone, as many as ``window_twin.WINDOW``; "no".
-    stream_bound : float
-        Largest relative difference of the index between batch and stream on a stationary record [-].
-    stream_note : str
-        Why it streams on a window alone, or not at all; a sentence.
-    pros, cons : tuple of str
-    cost : str
-        Order of the work for n samples.
-    kind : {"detector", "gate"}
-        Gates answer whether the loop oscillates, detectors whether the valve sticks.
-    experimental : bool
-        Whether the method is still on trial: ``diagnose`` shows its answer, marked.
+    name : name of the module and of the method in verdicts
+    title, source : title for tables; paper with year and place
+    signals : what it reads, of "SP", "PV", "OP", "MV"
+    assumes : conditions in words
+    needs : those that are checked before the method looks at a record (``prepare.preconditions``): a sustained
+        oscillation, one of the loop's own making (``oscillation.clock``), a set point that stands still, OP away from
+        its limits, PV not on a coarse grid, PV not compressed, OP not compressed, PV that follows OP, the kind of
+        process known, the stem position logged
+    accuses : whether it may say "stiction"; a method that only ranks tags or measures does not
+    cycles : fewest cycles of the oscillation [-]
+    samples : points a period that the method can work with [-]
+    finds : what the index tells
+    index : range that the index can take [-]
+    process : tuple of {"self_regulating", "integrating"}; processes it works on
+    streams : "exact": a twin that follows every sample; "pooled": a window, and what was found in those before it;
+        "window": the last samples alone, as many as ``window_twin.WINDOW``; "no"
+    stream_bound : largest relative difference of the index between batch and stream on a stationary record [-]
+    stream_note : why it streams on a window alone, or not at all; a sentence
+    cost : order of the work for n samples
+    kind : gates answer whether the loop oscillates, detectors whether the valve sticks
+    experimental : whether the method is still on trial: ``diagnose`` shows its answer, marked
 
     >>> Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no").kind
     'detector'

@@ -2,19 +2,12 @@
 ours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from stickslip.detect.card import Card
 from stickslip.detect.method import Method
-from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, wilson
+from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, interval_words
 from stickslip.detect.rates import COMBINED, Rate, rates
-
-__all__ = [
-    "CARD_COLUMNS", "OUTLINE_COLUMNS", "PUBLISHED_COLUMNS", "RATE_COLUMNS", "card_rows", "outline_rows",
-    "published_rows", "rate_rows",
-]  # fmt: skip
 
 CARD_COLUMNS = (
     "method", "title", "source", "signals", "process", "assumes", "finds", "streams", "cost", "pros", "cons",
@@ -65,9 +58,10 @@ def published_rows(measured: Mapping[str, Rate] | None = None) -> list[list[str]
     measured = rates() if measured is None else measured
     rows = []
     for one in PUBLISHED:
-        interval = "-" if one.right is None or one.of is None else _interval(one.right, one.of)
-        name = one.method or COMBINED
-        ours = f"{name}: {_found(measured[name])}" if name in measured else "-"
+        interval = "-" if one.right is None or one.of is None else interval_words(one.right, one.of)
+        name, ours = one.method or COMBINED, "-"
+        if (rate := measured.get(name)) is not None:
+            ours = f"{name}: {rate.hit_rate:.0%} of the sticky found, {rate.false_alarms:.0%} of the others accused"
         rows.append([one.what, f"{one.share:.0%}", interval, one.loops, one.source, one.mark, ours])
     return rows
 
@@ -82,18 +76,9 @@ def _all(methods: Sequence[Method] | None) -> Sequence[Method]:
 
 def _card_row(card: Card) -> list[str]:
     return [
-        card.name,
-        card.title,
-        card.source,
-        ", ".join(card.signals),
-        ", ".join(card.process).replace("_", "-"),
-        "; ".join(card.assumes),
-        card.finds,
-        card.streams,
-        card.cost,
-        "; ".join(card.pros),
-        "; ".join(card.cons),
-    ]
+        card.name, card.title, card.source, ", ".join(card.signals), ", ".join(card.process).replace("_", "-"),
+        "; ".join(card.assumes), card.finds, card.streams, card.cost, "; ".join(card.pros), "; ".join(card.cons),
+    ]  # fmt: skip
 
 
 def _rate_row(name: str, row: ThesisRow | None, rate: Rate | None) -> list[str]:
@@ -104,12 +89,3 @@ def _rate_row(name: str, row: ThesisRow | None, rate: Rate | None) -> list[str]:
     spent = "-" if rate.us_per_sample is None else f"{rate.us_per_sample:.3g}"
     shares = (rate.hit_rate, rate.false_alarms, rate.abstentions)
     return [*shown, *(f"{share:.1%}" for share in shares), delay, spent]
-
-
-def _found(rate: Rate) -> str:
-    return f"{rate.hit_rate:.0%} of the sticky found, {rate.false_alarms:.0%} of the others accused"
-
-
-def _interval(right: int, of: int) -> str:
-    low, high = wilson(right, of)
-    return f"{low:.0%} to {high:.0%}"

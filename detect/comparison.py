@@ -1,7 +1,5 @@
 """All methods side by side: what each says of every loop, with its number, its reason and its time."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os
@@ -10,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from stickslip.detect.diagnosis import ask
 from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.method import Method
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import Figure, Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LogError, LoopRecord, ReadError, read_loops
 from stickslip.logs.files.frames import frame_kind
@@ -24,11 +22,6 @@ from stickslip.logs.hint import nearest
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
 from stickslip.logs.tags import Process
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["COLUMNS", "SCHEMA", "Comparison", "Judged", "compare", "csv_text", "harmless"]
 
 SCHEMA = "stickslip.table/1"
 COLUMNS = ("loop", "method", "on trial", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
@@ -45,22 +38,17 @@ class HasLoops(Protocol):
         ...
 
 
-Source: TypeAlias = "LoopRecord | Prepared | HasLoops | str | os.PathLike[str]"
+Source: TypeAlias = LoopRecord | Prepared | HasLoops | str | os.PathLike[str]
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
     """One loop before all methods.
 
-    loop : str
-    combined : as in ``Verdict``
-        The verdict of ``diagnose`` on the loop, whichever methods stand beside it.
+    combined : as in ``Verdict``; the verdict of ``diagnose`` on the loop, whichever methods stand beside it
     verdicts : tuple of Verdict, in the order of the methods
-    milliseconds : tuple of float
-        Wall time of each method on the prepared record [ms].
-    preparation : float
-        Wall time of what the methods share: facts, oscillation, even grid, waves, half waves [ms].
-    samples : int
+    milliseconds : wall time of each method on the prepared record [ms]
+    preparation : wall time of what the methods share: facts, oscillation, even grid, waves, half waves [ms]
     """
 
     loop: str
@@ -92,9 +80,7 @@ class Judged:
 class Comparison(Shown):
     """The result of ``compare``.
 
-    loops : tuple of Judged
-    skipped : tuple of (file, reason)
-        Files of a folder that hold no loop.
+    skipped : tuple of (file, reason); files of a folder that hold no loop
     """
 
     loops: tuple[Judged, ...]

@@ -1,10 +1,8 @@
 """One loop in, one answer out: the calibrated verdict in plain words, with the answer of every method."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.judge.answer import Amount, Answer
@@ -15,17 +13,12 @@ from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.harris import Harris
 from stickslip.detect.signals.swing import amplitude
 from stickslip.detect.stem.process_kind import kind_of_tag
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import Figure, Verdict
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.chances import chance
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
 
 SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
@@ -35,38 +28,23 @@ UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model 
 class Diagnosis(Shown):
     """The answer on one loop.
 
-    loop : str
     verdict : as in ``Verdict``
-    probability : float or None
-        Probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the record
-        was refused, the stem was logged, or PV itself shows that the valve slips.
-    causes : mapping of name to float
-        Probability of each cause [-], largest first; "stiction" is one of them.
-    amount : mapping of "S" and "J" to Amount, or None
-        Sizes with their 90 % intervals, where the verdict is stiction.
-    detection_limit : (float, unit) or None
-        S above which a stick would have shown in this record.
-    reason : str
-        What was found, in words and numbers.
-    action : str
-        What to do, who does it, and the test that confirms it.
-    assumptions : tuple of str
-        What was taken for granted, one sentence each.
-    methods : tuple of Verdict
-    conditions : tuple of Fact
-        Measured properties of the record.
-    record : LoopRecord
-    performance : Harris or None
-        How near the loop is to minimum variance; None where e does not move.
-    period : float or None
-        Of the oscillation [s]; None where the loop does not oscillate.
-    amplitude : float or None
-        Half of the width that holds 90 % of PV [unit of PV].
-    because : tuple of str
-        Up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was seen.
-    picture : str
-        What decided, and so is drawn: "learnt" (the pattern that the model knows), "dead_travel", "stem_play", "slips"
-        or "still_stem"; "" where nothing did.
+    probability : probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the
+        record was refused, the stem was logged, or PV itself shows that the valve slips.
+    causes : probability of each cause [-], largest first; "stiction" is one of them
+    amount : mapping of "S" and "J" to Amount, or None; sizes with their 90 % intervals, where the verdict is stiction
+    detection_limit : (float, unit) or None; S above which a stick would have shown in this record
+    reason : what was found, in words and numbers
+    action : what to do, who does it, and the test that confirms it
+    assumptions : what was taken for granted, one sentence each
+    conditions : measured properties of the record
+    performance : how near the loop is to minimum variance; None where e does not move
+    period : of the oscillation [s]; None where the loop does not oscillate
+    amplitude : half of the width that holds 90 % of PV [unit of PV]
+    because : up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was
+        seen
+    picture : what decided, and so is drawn: "learnt" (the pattern that the model knows), "dead_travel", "stem_play",
+        "slips" or "still_stem"; "" where nothing did
     """
 
     loop: str
@@ -104,21 +82,13 @@ class Diagnosis(Shown):
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""
         limit = self.detection_limit
         return {
-            "schema": SCHEMA,
-            "loop": self.loop,
-            "verdict": self.verdict,
-            "probability": self.probability,
-            "period_s": self.period,
-            "amplitude": self.amplitude,
-            "causes": dict(self.causes),
+            "schema": SCHEMA, "loop": self.loop, "verdict": self.verdict, "probability": self.probability,
+            "period_s": self.period, "amplitude": self.amplitude, "causes": dict(self.causes),
             "amount": None if self.amount is None else {name: size.to_dict() for name, size in self.amount.items()},
             "detection_limit": None if limit is None else {"value": limit[0], "unit": limit[1]},
-            "reason": self.reason,
-            "because": list(self.because),
-            "action": self.action,
-            "assumptions": list(self.assumptions),
-            "methods": [method.to_dict() for method in self.methods],
-        }
+            "reason": self.reason, "because": list(self.because), "action": self.action,
+            "assumptions": list(self.assumptions), "methods": [method.to_dict() for method in self.methods],
+        }  # fmt: skip
 
     def plot(self, words: bool = True) -> Figure:
         """Trend of SP, PV and OP, the PV-OP curve, and what decided the verdict.
@@ -153,30 +123,15 @@ def diagnose(record: LoopRecord | Prepared | Any, methods: Sequence[Method] | No
     record = loop.record
     verdicts = tuple(ask(method, loop) for method in (METHODS if methods is None else methods))
     found = answer_over_days(loop)
-    return Diagnosis(
-        loop=record.name,
-        verdict=found.word,
-        probability=found.probability,
-        causes=found.causes,
-        amount=_amount(found),
-        detection_limit=found.limit,
-        reason=" ".join([WORDS[found.word].sentence, found.reason, _beside(verdicts)]).strip(),
-        action=found.action,
-        assumptions=_assumptions(loop, found),
-        methods=verdicts,
-        conditions=loop.health,
-        record=record,
-        performance=loop.performance,
-        period=loop.period if loop.gate.oscillating else None,
-        amplitude=amplitude(record.pv),
-        because=found.because,
-        picture=found.picture,
-    )
-
-
-def _amount(found: Answer) -> dict[str, Amount] | None:
     sizes = {name: size for name, size in (("S", found.S), ("J", found.J)) if size is not None}
-    return sizes or None
+    return Diagnosis(
+        loop=record.name, verdict=found.word, probability=found.probability, causes=found.causes,
+        amount=sizes or None, detection_limit=found.limit,
+        reason=" ".join([WORDS[found.word].sentence, found.reason, _beside(verdicts)]).strip(), action=found.action,
+        assumptions=_assumptions(loop, found), methods=verdicts, conditions=loop.health, record=record,
+        performance=loop.performance, period=loop.period if loop.gate.oscillating else None,
+        amplitude=amplitude(record.pv), because=found.because, picture=found.picture,
+    )  # fmt: skip
 
 
 def ask(method: Method, loop: Prepared) -> Verdict:

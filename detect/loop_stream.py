@@ -11,8 +11,6 @@ The window holds from half of ``window`` to ``window`` rows, 40 bytes each.  It 
 many methods ask, and not at all while nobody does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,8 +24,6 @@ from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
 from stickslip.detect.verdict import Verdict
 
-__all__ = ["LoopStream"]
-
 Way = Literal["memory", "twin", "window"]
 
 
@@ -35,11 +31,8 @@ Way = Literal["memory", "twin", "window"]
 class LoopStream:
     """The state of all methods after the samples so far; a value, as every state of a stream.
 
-    facts : LoopFacts
-    methods : tuple of Method
-        By default all of ``stickslip.detect.METHODS``.
-    window : int
-        Most rows held [-].
+    methods : by default all of ``stickslip.detect.METHODS``
+    window : most rows held [-]
     buffer, states, ways
         The rows, the state of each method and how it takes part; worked out, not given.
 
@@ -75,7 +68,7 @@ class LoopStream:
         object.__setattr__(self, "ways", tuple(map(_way, self.methods)))
         object.__setattr__(self, "states", tuple(map(_start, self.methods, self.ways, repeat(self.facts))))
 
-    def update(self, t: float, sample: Sample) -> LoopStream:
+    def update(self, t: float, sample: Sample) -> "LoopStream":
         """The stream after one more sample at time t [s]; raises ValueError when t does not advance."""
         buffer = self.buffer.append(t, sample)
         states = list(self.states)
@@ -95,7 +88,7 @@ class LoopStream:
         twins = ((k, self.methods[k]) for k, way in enumerate(self.ways) if way == "twin")
         return tuple((k, method.update, method.Params()) for k, method in twins)
 
-    def _next(self, buffer: Buffer, states: tuple[Any, ...]) -> LoopStream:
+    def _next(self, buffer: Buffer, states: tuple[Any, ...]) -> "LoopStream":
         """The same stream with other rows and states; ``dataclasses.replace`` costs more than all else a sample."""
         following = object.__new__(type(self))
         own = following.__dict__

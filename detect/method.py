@@ -1,15 +1,11 @@
 """A detector as the other rooms know it: a card, and a function from a record to a verdict."""
 
-from __future__ import annotations
-
 from typing import Protocol, runtime_checkable
 
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.verdict import Verdict
 from stickslip.logs import LoopRecord
-
-__all__ = ["Method"]
 
 
 @runtime_checkable

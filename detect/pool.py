@@ -11,19 +11,15 @@ Period, noise and drift are those of the window, where the batch form takes them
 difference between the two, and the card's ``stream_bound`` says how much it may make.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Pool", "joined", "pooled"]
-
-Values = npt.NDArray[np.float64]
 MOST = 400  # pieces kept
 
 
@@ -39,8 +35,8 @@ class Pool(NamedTuple):
     apart: float = 0.0
 
 
-Past: TypeAlias = "Pool | None"
-Seen: TypeAlias = Callable[[Any, Prepared], "Pool | Verdict"]
+Past: TypeAlias = Pool | None
+Seen: TypeAlias = Callable[[Any, Prepared], Pool | Verdict]
 Judged: TypeAlias = Callable[[Any, Prepared, Pool], Verdict]
 
 
@@ -60,6 +56,13 @@ def joined(past: Past, now: Pool, most: int = MOST) -> Pool:
     if len(at) > most:
         at, rows, since = at[-most:], rows[-most:], float(at[-most - 1])
     return Pool(at, rows, since, now.apart)
+
+
+def of_record(p: Any, record: LoopRecord | Prepared, seen: Seen, judged: Judged) -> Verdict:
+    """The verdict on the pieces of a whole record, or its refusal."""
+    loop = prepared(record)
+    found = seen(p, loop)
+    return found if isinstance(found, Verdict) else judged(p, loop, found)
 
 
 def pooled(

@@ -8,8 +8,6 @@
 ``python -m benchmarks.rates --write`` measures again; the file says with which seed, setting and number of loops.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,8 +15,6 @@ from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
-
-__all__ = ["COMBINED", "FILE", "SCHEMA", "STICKY", "Rate", "described", "of_counts", "rates"]
 
 SCHEMA = "stickslip.rates/1"
 FILE = Path(__file__).with_name("rates.json")
@@ -30,11 +26,9 @@ STICKY = ("cycling", "excited")  # groups of loops with a sticky valve
 class Rate:
     """The counts of one method.
 
-    method : str
     sticky, others : int, loops with and without a sticky valve
-    hits, wrong, acquitted, undecided : int
-        Sticky loops called sticky; other loops called sticky; sticky loops called "no stiction"; loops left open or
-        refused.
+    hits, wrong, acquitted, undecided : sticky loops called sticky; other loops called sticky; sticky loops called "no
+        stiction"; loops left open or refused
     us_per_sample : float or None, median wall time [us] on the machine that measured
     delay : float or None, median data until the alarm of the streaming twin [periods]; None where none was raised
     by_group : group -> (called sticky, loops)

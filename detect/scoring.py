@@ -10,8 +10,6 @@ Several records of one tag are one valve.  A tag is called by the majority of th
 A label is somebody's opinion of a loop, seldom an opened valve; with a dozen tags an interval is wide.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 from collections import defaultdict
@@ -20,11 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.detect.comparison import Comparison
-from stickslip.detect.published import PUBLISHED, wilson
+from stickslip.detect.published import PUBLISHED, interval_words
 from stickslip.detect.rates import COMBINED
 from stickslip.logs import ReadError
-
-__all__ = ["SCORE_COLUMNS", "Label", "Score", "read_labels", "score_rows", "scores"]
 
 SCORE_COLUMNS = ("method", "sticky found", "others accused", "right", "90 % interval", "open tags")
 
@@ -98,14 +94,10 @@ def _score(method: str, words: Mapping[str, list[str]], sticky: Mapping[str, boo
     calls = {tag: _called(own) for tag, own in words.items()}
     accused = [tag for tag, call in calls.items() if call is True]
     return Score(
-        method,
-        sum(sticky[tag] for tag in calls),
-        sum(not sticky[tag] for tag in calls),
-        sum(sticky[tag] for tag in accused),
-        sum(not sticky[tag] for tag in accused),
-        sum(call is sticky[tag] for tag, call in calls.items()),
-        sum(call is None for call in calls.values()),
-    )
+        method, sum(sticky[tag] for tag in calls), sum(not sticky[tag] for tag in calls),
+        sum(sticky[tag] for tag in accused), sum(not sticky[tag] for tag in accused),
+        sum(call is sticky[tag] for tag, call in calls.items()), sum(call is None for call in calls.values()),
+    )  # fmt: skip
 
 
 def _called(words: list[str]) -> bool | None:
@@ -123,17 +115,14 @@ def score_rows(found: list[Score]) -> list[list[str]]:
     rows = []
     for one in found:
         tags = one.sticky + one.others
-        low, high = wilson(one.right, tags)
         counts = [f"{one.found} of {one.sticky}", f"{one.wrong} of {one.others}", f"{one.right} of {tags}"]
-        rows.append([one.method, *counts, f"{low:.0%} to {high:.0%}", str(one.open_tags)])
+        rows.append([one.method, *counts, interval_words(one.right, tags), str(one.open_tags)])
     if found:
         sticky, others = found[0].sticky, found[0].others
-        low, high = wilson(sticky, sticky + others)
         always = f"{sticky} of {sticky}", f"{others} of {others}", f"{sticky} of {sticky + others}"
-        rows.append(["always sticky", *always, f"{low:.0%} to {high:.0%}", "0"])
+        rows.append(["always sticky", *always, interval_words(sticky, sticky + others), "0"])
     for share in PUBLISHED:
         if share.what.endswith("loops right") and share.right is not None and share.of is not None:
-            low, high = wilson(share.right, share.of)
             name = f"published: {share.what.removesuffix(': loops right')} ({share.mark}, {share.loops})"
-            rows.append([name, "-", "-", f"{share.right} of {share.of}", f"{low:.0%} to {high:.0%}", "-"])
+            rows.append([name, "-", "-", f"{share.right} of {share.of}", interval_words(share.right, share.of), "-"])
     return rows

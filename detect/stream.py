@@ -5,19 +5,14 @@ A twin is three functions: ``init(p, facts) -> state``, ``update(p, state, t, sa
 be replayed or branched, and a state can be pickled.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.logs import Log, LoopRecord
+from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Buffer", "LoopFacts", "Sample", "replay"]
-
-Values = npt.NDArray[np.float64]
 _CHUNK = 64  # appending copies at most so many rows
 
 
@@ -41,7 +36,7 @@ class LoopFacts:
     has_sp: bool = True
 
     @classmethod
-    def of(cls, record: LoopRecord) -> LoopFacts:
+    def of(cls, record: LoopRecord) -> "LoopFacts":
         """The facts of a record."""
         return cls(record.name, record.process, record.measurement, record.op_span, record.sp is not None)
 
@@ -69,7 +64,7 @@ class Buffer:
             return self.recent[-1][0]
         return float(self.chunks[-1][-1, 0]) if self.chunks else -math.inf
 
-    def append(self, t: float, sample: Sample) -> Buffer:
+    def append(self, t: float, sample: Sample) -> "Buffer":
         """The buffer with one more row; raises ValueError when t [s] does not advance."""
         if not t > self.last_time:
             raise ValueError(f"t = {t} s follows {self.last_time} s; time must increase, drop repeated samples")
@@ -80,7 +75,7 @@ class Buffer:
             return following
         return Buffer((*self.chunks, np.array(recent)), (), self.held + len(recent))
 
-    def last(self, n: int) -> Buffer:
+    def last(self, n: int) -> "Buffer":
         """The last n rows."""
         if not n:
             return Buffer()
@@ -96,30 +91,7 @@ class Buffer:
         """The rows as a loop record."""
         rows = self.rows()
         record = LoopRecord.from_arrays(
-            rows[:, 0],
-            pv=rows[:, 1],
-            op=rows[:, 2],
-            sp=rows[:, 3] if facts.has_sp else None,
-            mode=rows[:, 4],
-            name=facts.name,
-            op_span=facts.op_span,
-        )
+            rows[:, 0], pv=rows[:, 1], op=rows[:, 2], sp=rows[:, 3] if facts.has_sp else None, mode=rows[:, 4],
+            name=facts.name, op_span=facts.op_span,
+        )  # fmt: skip
         return replace(record, process=facts.process, measurement=facts.measurement)  # type: ignore[arg-type]
-
-
-def replay(twin: Any, record: LoopRecord, p: Any) -> Any:
-    """Feed a record sample by sample to a streaming twin (``window_twin.twin_of``) and return its final state.
-
-    Bad samples go in as NaN, as a gateway would deliver them.
-    """
-    state = twin.init(p, LoopFacts.of(record))
-    log: Log = record.log
-    pv = np.where(log.good(record.pv_name), record.pv, np.nan)
-    op = np.where(log.good(record.op_name), record.op, np.nan)
-    sp = np.full(len(record), np.nan)
-    if record.sp is not None and record.sp_name is not None:
-        sp = np.where(log.good(record.sp_name), record.sp, np.nan)
-    mode = np.ones(len(record)) if record.mode is None else record.mode
-    for t, *row in zip(record.t, pv, op, sp, mode, strict=True):
-        state = twin.update(p, state, float(t), Sample(*map(float, row)))
-    return state

@@ -1,26 +1,19 @@
 """One valve from many records: one verdict, with what each record says and adds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.detect.diagnosis import Diagnosis
 from stickslip.detect.judge.answer import Answer
 from stickslip.detect.judge.over_days import answer_over_days
 from stickslip.detect.judge.pooled import evidence_of_all, pooled
 from stickslip.detect.likelihood.pooled import Day, Evidence
-from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Word
+from stickslip.detect.prepare.prepared import prepared
+from stickslip.detect.verdict import Figure, Word
 from stickslip.detect.words import WORDS
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["SCHEMA", "Tag", "judge_tag"]
 
 SCHEMA = "stickslip.tag/1"
 
@@ -116,7 +109,7 @@ def judge_tag(tag: str, records: Sequence[Any], answers: Sequence[Answer | Diagn
     known = [answer_over_days(loop) for loop in loops] if answers is None else [_answer(a) for a in answers]
     evidence, counted = evidence_of_all(loops)
     found = pooled(loops, known, evidence)
-    names = tuple(_name(one, i) for i, one in enumerate(loops))
+    names = tuple(one.record.name or f"record {i}" for i, one in enumerate(loops, 1))
     return Tag(tag, names, found, tuple(a.word for a in known), evidence, counted)
 
 
@@ -128,7 +121,3 @@ def _answer(found: Answer | Diagnosis) -> Answer:
         found.verdict, found.probability, found.causes, sizes.get("S"), sizes.get("J"), found.detection_limit,
         found.reason, found.action,
     )  # fmt: skip
-
-
-def _name(loop: Prepared, number: int) -> str:
-    return loop.record.name or f"record {number + 1}"

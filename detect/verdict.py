@@ -1,7 +1,5 @@
 """The verdict of a detector: yes, no, undecided, or not applicable, with its number and its reason."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -9,37 +7,22 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.words import WORDS, Word
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
+else:
+    Figure = FigureBase = Any  # matplotlib is loaded when something is drawn
 
-__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["Code", "Draw", "Evidence", "Figure", "FigureBase", "Verdict", "VerdictError", "Word"]
 
 Code = Literal[
-    "no_oscillation",
-    "too_few_cycles",
-    "undersampled",
-    "signal_missing",
-    "op_saturated",
-    "integrating_unknown",
-    "wrong_process_type",
-    "manual_mode",
-    "quantised",
-    "compressed",
-    "constant_signal",
-    "sp_not_constant",
-    "stale_data",
-    "frozen_pv",
-    "pv_unresponsive",
-    "not_in_charge",
-    "no_valve",
-    "not_causal",
-    "outside_wave",
-]
-Values = npt.NDArray[np.float64]
+    "no_oscillation", "too_few_cycles", "undersampled", "signal_missing", "op_saturated", "integrating_unknown",
+    "wrong_process_type", "manual_mode", "quantised", "compressed", "constant_signal", "sp_not_constant",
+    "stale_data", "frozen_pv", "pv_unresponsive", "not_in_charge", "no_valve", "not_causal", "outside_wave",
+]  # fmt: skip
 Evidence = Mapping[str, Values | float]
 Draw = Callable[["Verdict", "FigureBase"], None]
 
@@ -115,30 +98,13 @@ class Verdict(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only mappings cannot be pickled; process pools need verdicts that can.
-        return type(self), (
-            self.method,
-            self.verdict,
-            self.index,
-            self.threshold,
-            self.reason,
-            self.code,
-            self.interval,
-            self.amount_percent_op,
-            dict(self.evidence),
-            self.draw,
-            self.experimental,
-        )
+        return type(self), tuple((self.__dict__ | {"evidence": dict(self.evidence)}).values())
 
     @classmethod
     def not_applicable(
-        cls,
-        method: str,
-        code: Code,
-        reason: str,
-        threshold: float | None = None,
-        evidence: Evidence | None = None,
+        cls, method: str, code: Code, reason: str, threshold: float | None = None, evidence: Evidence | None = None,
         draw: Draw | None = None,
-    ) -> Verdict:
+    ) -> "Verdict":  # fmt: skip
         """A refusal: the record breaks a precondition of the method, so there is no index."""
         return cls(method, "not_applicable", None, threshold, reason, code=code, evidence=evidence or {}, draw=draw)
 
@@ -155,16 +121,10 @@ class Verdict(Shown):
         """Plain values for JSON: no NaN, no arrays, no evidence."""
         interval = None if self.interval is None else [_finite(bound) for bound in self.interval]
         return {
-            "name": self.method,
-            "verdict": self.verdict,
-            "index": _finite(self.index),
-            "threshold": _finite(self.threshold),
-            "reason": self.reason,
-            "code": self.code,
-            "interval": interval,
-            "amount_percent_op": _finite(self.amount_percent_op),
-            "experimental": self.experimental,
-        }
+            "name": self.method, "verdict": self.verdict, "index": _finite(self.index),
+            "threshold": _finite(self.threshold), "reason": self.reason, "code": self.code, "interval": interval,
+            "amount_percent_op": _finite(self.amount_percent_op), "experimental": self.experimental,
+        }  # fmt: skip
 
     def plot(self) -> Figure:
         """The evidence as the method draws it, with the reason below."""

@@ -7,8 +7,6 @@
 Memory is bounded in each case, and a window costs nothing until someone asks for a verdict.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, Protocol
@@ -16,8 +14,6 @@ from typing import Any, Protocol
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
 from stickslip.detect.verdict import Verdict
-
-__all__ = ["WINDOW", "Twin", "Watched", "WindowTwin", "twin_of"]
 
 WINDOW = 2048  # samples held at most; half of them at least, once so many have come
 

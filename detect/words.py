@@ -3,16 +3,12 @@
 A new place where verdicts appear takes what it needs from ``WORDS[verdict.verdict]``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
 from stickslip.logs.style import AFTER, GREEN, INK, RED, UNUSED
-
-__all__ = ["WORDS", "Kind", "Word", "Wording"]
 
 Word = Literal["stiction", "no_stiction", "inconclusive", "not_applicable"]
 Kind = Literal["bad", "good", "open"]

@@ -8,10 +8,13 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.logs.errors import LogError
 
-__all__ = ["Mask", "Values", "check_time", "checked_mask", "checked_span", "frozen_array", "seconds_and_start"]
+__all__ = [
+    "Indices", "Mask", "Values", "check_time", "checked_mask", "checked_span", "frozen_array", "seconds_and_start",
+]  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
+Indices = npt.NDArray[np.intp]
 
 
 def frozen_array(values: npt.ArrayLike, what: str) -> Values:

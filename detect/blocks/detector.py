@@ -113,17 +113,9 @@ class DetectorBlock(Block):
     period_param = "dt"
 
     def __init__(
-        self,
-        method: ModuleType,
-        dt: float,
-        *,
-        verdict_every: int = 30,
-        params: Any = None,
-        process: str = "self_regulating",
-        name: str = "",
-        inputs: Labels = None,
-        outputs: Labels = None,
-    ) -> None:
+        self, method: ModuleType, dt: float, *, verdict_every: int = 30, params: Any = None,
+        process: str = "self_regulating", name: str = "", inputs: Labels = None, outputs: Labels = None,
+    ) -> None:  # fmt: skip
         _check_method(method)
         name = name or method.CARD.name
         require(process in PROCESSES, name, "process", process, "it is none of the known kinds", f"give {PROCESSES}")

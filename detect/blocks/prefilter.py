@@ -82,16 +82,9 @@ class PrefilterBlock(Block):
     period_param = "dt"
 
     def __init__(
-        self,
-        dt: float,
-        *,
-        noise_std: float = 0.01,
-        q: float = 1e-6,
-        window: int = 256,
-        name: str = "prefilter",
-        inputs: Labels = None,
-        outputs: Labels = None,
-    ) -> None:
+        self, dt: float, *, noise_std: float = 0.01, q: float = 1e-6, window: int = 256, name: str = "prefilter",
+        inputs: Labels = None, outputs: Labels = None,
+    ) -> None:  # fmt: skip
         require(
             window == 0 or window >= 32, name, "window", window, "too few samples to estimate noise", "give 0 or >= 32"
         )

@@ -7,18 +7,12 @@ self-regulating process the correlation of OP and PV is odd, near zero at no lag
 an even one (Horch 1999, Control Eng. Practice 7:1221).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Prepared
-
-__all__ = ["Correlation", "correlation"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 PERIODS = 2.5  # to either side
 RECORD_SHARE = 0.125  # of the record to either side, where nothing oscillates

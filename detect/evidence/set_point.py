@@ -1,17 +1,10 @@
 """Whether the set point swings with the loop's period: then PV follows it, and what moves SP is where to look."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
+from stickslip.logs import LoopRecord
 from stickslip.logs.oscillation import following
 from stickslip.logs.trend import rests
-
-if TYPE_CHECKING:
-    from stickslip.logs import LoopRecord
-
-__all__ = ["set_point_words"]
 
 SWINGS_SHARE = 0.3  # of SP's variance at the period: a set point that is stepped now and then has less
 

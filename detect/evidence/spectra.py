@@ -6,19 +6,13 @@
 A sine has none; a symmetric triangle has 1/9 at 3 f_0, a square 1/3 (analytic).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Prepared
-
-__all__ = ["Spectrum", "spectrum"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 PERIODS = 12.0
 HARMONICS_MAX = 5  # harmonics looked for

@@ -1,22 +1,14 @@
 """Where the stem stood: as logged, or as the fitted play reconstructs it from OP and PV."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.trend import rests
-
-if TYPE_CHECKING:
-    from stickslip.logs import LoopRecord
-
-__all__ = ["StemTrend", "stem_trend"]
-
-Values = npt.NDArray[np.float64]
 
 STILL_SHARE = 1e-6  # of OP's travel: a fitted stem that moves less stands
 MOVED_SHARE = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
@@ -90,10 +82,9 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
 
 def _stands(t: Values, mv: Values, travel: float) -> Values:
     """From where to where (k, 2) [s] a stem stands: it moves by next to nothing of the ``travel`` from row to row."""
-    still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL_SHARE * travel, [False]])
-    edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
-    long = [(first, last) for first, last in edges.tolist() if last - first >= STICK_SAMPLES_MIN]
-    return np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
+    first, last = runs(np.abs(np.diff(mv)) <= STILL_SHARE * travel)
+    long = last - first >= STICK_SAMPLES_MIN
+    return np.column_stack([t[first[long]], t[last[long]]])
 
 
 def _moving(t: Values, op: Values, stands: Values) -> Values:

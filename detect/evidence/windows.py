@@ -6,8 +6,6 @@ oscillation.  Each window is judged on its own by the calibrated answer, a long 
 sizes are shown where stiction is called.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -21,8 +19,6 @@ from stickslip.detect.signals.days import CYCLES_MIN, SAMPLES_MIN, WINDOWS_MAX, 
 from stickslip.detect.words import Word
 from stickslip.logs import LoopRecord
 
-__all__ = ["OverTime", "Window", "over_time"]
-
 PARTS = 6  # of a record of less than two days
 TESTED = 6  # windows: with fewer, no order is rare enough
 FALSE_ALARMS_SHARE = 0.01  # of records of a constant valve, at most
@@ -34,10 +30,8 @@ class Window:
     """One window of a record.
 
     start, end : [s] of the record
-    samples : int
     verdict : as in ``Verdict``; "not_applicable" also where the window holds too little
     probability : of stiction [-] or None
-    S, J : Amount or None
     limit : (S, unit) above which a stick would have shown, or None
     """
 

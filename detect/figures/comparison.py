@@ -1,24 +1,20 @@
 """The picture of a comparison: methods against loops, and the time of each method."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from stickslip.detect.words import WORDS
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import INK, tidy
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from stickslip.detect.comparison import Comparison
 
-__all__ = ["plot_comparison"]
 
-
-def plot_comparison(comparison: Comparison) -> Figure:
+def plot_comparison(comparison: "Comparison") -> Figure:
     """A cell a loop and method, the combined verdict in the last row, and bars of the median time [ms]."""
-    from stickslip.logs.picture import Picture
-
     names = [v.method.replace("_", " ") for v in comparison.loops[0].verdicts]
     rows, columns = len(names) + 1, len(comparison.loops)
     width = 4.0 + min(0.45 * columns, 24.0)
@@ -27,7 +23,7 @@ def plot_comparison(comparison: Comparison) -> Figure:
     for k, judged in enumerate(comparison.loops):
         for i, word in enumerate([*(v.verdict for v in judged.verdicts), judged.combined]):
             said = WORDS[word]
-            cells.add_patch(_cell(k, i, said.colour))
+            cells.add_patch(Rectangle((k - 0.46, i - 0.44), 0.92, 0.88, facecolor=said.colour, linewidth=0))
             cells.text(k, i, said.letter, ha="center", va="center", fontsize=8, color=said.ink)
     cells.set_xlim(-0.5, columns - 0.5)
     cells.set_ylim(rows - 0.5, -0.5)
@@ -45,9 +41,3 @@ def plot_comparison(comparison: Comparison) -> Figure:
     tidy(bars)
     bars.tick_params(left=False, labelleft=False)
     return figure
-
-
-def _cell(column: int, row: int, colour: str):  # type: ignore[no-untyped-def]
-    from matplotlib.patches import Rectangle
-
-    return Rectangle((column - 0.46, row - 0.44), 0.92, 0.88, facecolor=colour, linewidth=0)

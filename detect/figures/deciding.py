@@ -1,25 +1,20 @@
 """The picture of what decided a verdict: learnt pattern, likelihood of dead travel, logged stem, or slips of PV."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import FigureBase
 from stickslip.detect.figures.loop_trend import named
-from stickslip.detect.figures.verdict import draw_evidence, draw_reason, legend
-from stickslip.logs.style import COLOURS, INK, PALE, tidy
+from stickslip.detect.figures.verdict import draw_evidence, draw_reason, finish
+from stickslip.logs.arrays import Values
+from stickslip.logs.style import COLOURS, INK, PALE
 from stickslip.logs.time_axis import TimeAxis
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
     from stickslip.detect.diagnosis import Diagnosis
     from stickslip.detect.verdict import Verdict
 
-__all__ = ["draw_deciding", "what_decided"]
-
-Values = npt.NDArray[np.float64]
 BINS, FEWEST = 16, 6  # of the travel, and points in a bin whose mean is drawn
 CYCLES = 8.0  # of the trend
 SAMPLES = 600  # of the trend where nothing oscillates
@@ -35,7 +30,7 @@ WORDS = {
 """Title and caption of each picture that is of no method."""
 
 
-def what_decided(answer: Diagnosis) -> tuple[str, str] | None:
+def what_decided(answer: "Diagnosis") -> tuple[str, str] | None:
     """Title and caption of the picture; None where there is none."""
     if answer.picture in WORDS:
         return WORDS[answer.picture]
@@ -43,7 +38,7 @@ def what_decided(answer: Diagnosis) -> tuple[str, str] | None:
     return None if shown is None else (shown.method.replace("_", " ").capitalize(), shown.reason)
 
 
-def draw_deciding(answer: Diagnosis, figure: FigureBase) -> None:
+def draw_deciding(answer: "Diagnosis", figure: FigureBase) -> None:
     """Draw what decided the verdict on a figure or subfigure; where nothing did, the first method with evidence."""
     if answer.picture == "learnt":
         _draw_learnt(answer, figure)
@@ -55,7 +50,7 @@ def draw_deciding(answer: Diagnosis, figure: FigureBase) -> None:
         draw_reason(answer.reason, figure)
 
 
-def _method(answer: Diagnosis) -> Verdict | None:
+def _method(answer: "Diagnosis") -> "Verdict | None":
     """The method that decided, asked once more where it is not among those of the answer, or any with evidence."""
     drawn = [v for v in answer.methods if v.draw is not None and len(v.evidence)]
     if not answer.picture:
@@ -66,7 +61,7 @@ def _method(answer: Diagnosis) -> Verdict | None:
     return next((v for v in drawn if v.method == answer.picture), None) or method.detect(answer.record)
 
 
-def _draw_learnt(answer: Diagnosis, figure: FigureBase) -> None:
+def _draw_learnt(answer: "Diagnosis", figure: FigureBase) -> None:
     from stickslip.detect.judge.features.channels import channels
     from stickslip.detect.judge.features.view import view_of
     from stickslip.detect.prepare.prepared import Prepared
@@ -86,11 +81,7 @@ def _draw_learnt(answer: Diagnosis, figure: FigureBase) -> None:
         _along(ax, x, y.astype(np.float64))
         if S is not None:
             ax.axvline(S.value, color=INK, lw=0.9, ls="--", label=f"S = {S.value:.2g}")
-        ax.set_xlabel(f"travel of OP since its turn [{unit}]")
-        ax.set_ylabel("standard deviations, the way of OP")
-        ax.set_title(title, fontsize=9, loc="left")
-        legend(ax)
-        tidy(ax)
+        finish(ax, f"travel of OP since its turn [{unit}]", "standard deviations, the way of OP", title, named=True)
 
 
 def _along(ax: Axes, x: Values, y: Values) -> None:
@@ -102,7 +93,7 @@ def _along(ax: Axes, x: Values, y: Values) -> None:
     ax.plot([x[p].mean() for p in parts], [y[p].mean() for p in parts], "o-", color=COLOURS["PV"], ms=4, label="mean")
 
 
-def _draw_moves(answer: Diagnosis, figure: FigureBase) -> None:
+def _draw_moves(answer: "Diagnosis", figure: FigureBase) -> None:
     """OP, and beside it the stem that stands or the pace of PV that jumps."""
     from stickslip.detect.judge.own_slips import rate_of
 
@@ -118,8 +109,6 @@ def _draw_moves(answer: Diagnosis, figure: FigureBase) -> None:
     elif record.mv is not None:
         lower.plot(at, record.mv[last], color=COLOURS["MV"], label="MV")
         lower.set_ylim(upper.get_ylim())
-    upper.set_ylabel(named(record, record.op_name, "OP"))
     axis.finish(lower, float(t[0]), float(t[-1]))
-    for ax in (upper, lower):
-        legend(ax)
-        tidy(ax)
+    finish(upper, "", named(record, record.op_name, "OP"), named=True)
+    finish(lower, named=True)

@@ -1,32 +1,27 @@
 """The picture of a diagnosis: trend, PV against OP, and what decided the verdict."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure, SubFigure
 from stickslip.detect.evidence.set_point import set_point_words
 from stickslip.detect.figures.deciding import draw_deciding, what_decided
 from stickslip.detect.figures.loop_trend import draw_trends, named
 from stickslip.detect.words import WORDS
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS
 from stickslip.logs.trend import finish_plane
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure, SubFigure
     from stickslip.detect.diagnosis import Diagnosis
-
-__all__ = ["plot_diagnosis"]
 
 POINTS = 4000  # of PV against OP: more is a blot
 
 
-def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
+def plot_diagnosis(answer: "Diagnosis", words: bool = True) -> Figure:
     """Trend, PV-OP curve and what decided; ``words`` adds the reason."""
-    from stickslip.logs.picture import Picture
-
     shown = what_decided(answer)
     figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
     rows = 2 if shown else 1
@@ -59,7 +54,7 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     return figure
 
 
-def _in_words(answer: Diagnosis) -> str:
+def _in_words(answer: "Diagnosis") -> str:
     """The reason, and below it what decided, each on its own line."""
     numbered = [f"{number}. {why}" for number, why in enumerate(answer.because, 1)]
     moved = set_point_words(answer.record, answer.period or math.nan)

@@ -1,28 +1,24 @@
 """Small pictures of the evidence on a loop: PV and stem against OP, spectrum, correlations, the verdict over time."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from stickslip.detect.figures.loop_trend import named, shown_cycles
-from stickslip.detect.figures.verdict import legend
+from stickslip.detect.figures.verdict import finish, legend
 from stickslip.detect.words import WORDS
+from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, FIT, PALE, SOFT, tidy
 from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_plane, rests
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.evidence import Correlation, OverTime, Spectrum, StemTrend
-    from stickslip.logs import LoopRecord
-
-    Values = npt.NDArray[np.float64]
-
-__all__ = ["plot_correlation", "plot_over_time", "plot_pv_op", "plot_spectrum", "plot_stem_op"]
 
 SMALL = (4.7, 3.5)  # inch: two beside each other on a page, one on a phone
 POINTS = 1500  # of the whole record behind the cycles: a page holds each of them
@@ -32,14 +28,12 @@ ROOM = 0.07  # beyond, on both sides
 HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
 
 
-def _small() -> tuple[Figure, Axes]:
-    from stickslip.logs.picture import Picture
-
+def _small() -> "tuple[Figure, Axes]":
     figure = Picture(figsize=SMALL, layout="constrained")
     return figure, figure.subplots()
 
 
-def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Figure:
+def plot_pv_op(record: LoopRecord, period: float, stem: "StemTrend | None") -> Figure:
     """PV against OP: the cycles of the trend in colour on the whole record in grey."""
     figure, ax = _small()
     t0, t1 = shown_cycles(record, period, stem)
@@ -74,7 +68,7 @@ def _seen(x: Values, y: Values) -> npt.NDArray[np.int64]:
     return first[:: max(1, -(-len(first) // POINTS))]
 
 
-def plot_stem_op(record: LoopRecord, period: float, stem: StemTrend) -> Figure:
+def plot_stem_op(record: LoopRecord, period: float, stem: "StemTrend") -> Figure:
     """The stem against OP: level where it sticks, steep where it slips, on the line where it follows."""
     figure, ax = _small()
     t0, t1 = shown_cycles(record, period, stem)
@@ -91,7 +85,7 @@ def plot_stem_op(record: LoopRecord, period: float, stem: StemTrend) -> Figure:
     return figure
 
 
-def plot_spectrum(found: Spectrum) -> Figure:
+def plot_spectrum(found: "Spectrum") -> Figure:
     """Amplitudes of OP and PV over frequency, with the fundamental and its harmonics marked."""
     figure, ax = _small()
     known = math.isfinite(found.fundamental)
@@ -113,10 +107,7 @@ def plot_spectrum(found: Spectrum) -> Figure:
     ax.set_yticks([0.01, 0.1, 1.0], ["1 %", "10 %", "100 %"])
     ax.minorticks_off()
     ax.set_xlim(0.0, float(found.f[shown][-1]) * scale)
-    ax.set_xlabel(f"frequency [1/{unit}]")
-    ax.set_ylabel("amplitude over the largest line")
-    legend(ax)
-    tidy(ax)
+    finish(ax, f"frequency [1/{unit}]", "amplitude over the largest line", named=True)
     return figure
 
 
@@ -128,10 +119,8 @@ def _per(frequency: float) -> tuple[float, str]:
     return 86400.0, "d"
 
 
-def plot_correlation(found: Correlation) -> Figure:
+def plot_correlation(found: "Correlation") -> Figure:
     """OP and PV each with itself above; PV behind OP below, with the lag of the closest likeness."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=SMALL, layout="constrained")
     upper, lower = figure.subplots(2, 1)
     scale, unit = time_unit(float(found.lags[-1]) * 2.0)
@@ -153,13 +142,11 @@ def plot_correlation(found: Correlation) -> Figure:
     return figure
 
 
-def plot_over_time(found: OverTime) -> Figure:
+def plot_over_time(found: "OverTime") -> Figure:
     """Probability of stiction and S with their 90 % intervals, window by window; a panel only for what is known.
 
     A stem that is logged answers without a probability.
     """
-    from stickslip.logs.picture import Picture
-
     drawers = [_chances] * any(w.probability is not None for w in found.windows)
     drawers += [_sizes] * any(w.S is not None for w in found.windows)
     figure = Picture(figsize=(9.6, 0.4 + 1.6 * max(len(drawers), 1)), layout="constrained")
@@ -174,7 +161,7 @@ def plot_over_time(found: OverTime) -> Figure:
     return figure
 
 
-def _chances(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
+def _chances(ax: Axes, axis: TimeAxis, found: "OverTime") -> None:
     """The probability of every window."""
     for w in found.windows:
         if w.probability is not None:
@@ -185,7 +172,7 @@ def _chances(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
     ax.set_ylabel("probability\nof stiction")
 
 
-def _sizes(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
+def _sizes(ax: Axes, axis: TimeAxis, found: "OverTime") -> None:
     """S of every window with its interval; the verdict where none is called."""
     for w in found.windows:
         x = float(axis.at(np.array([0.5 * (w.start + w.end)]))[0])

@@ -1,18 +1,9 @@
 """Pictures of the methods that fit shapes to half waves: the waves with two shapes, and the error of each fit."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
-from stickslip.detect.figures.verdict import draw_reason, legend
-from stickslip.detect.verdict import Verdict
-from stickslip.logs.style import BLUE, FIT, ORANGE, PALE, tidy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["draw_fits"]
+from stickslip.detect.figures.verdict import draw_reason, finish
+from stickslip.detect.verdict import FigureBase, Verdict
+from stickslip.logs.style import BLUE, FIT, ORANGE, PALE
 
 SINE, OTHER, WAVE = BLUE, ORANGE, PALE  # a fitted sine, the rival shape, the waves themselves
 
@@ -31,16 +22,10 @@ def draw_fits(v: Verdict, figure: FigureBase, signal: str, other: str, score: st
     left.plot(phase, v.array("waves").T, color=WAVE, lw=0.6)
     left.plot(phase, v.array("sine"), color=SINE, lw=1.6, ls="--", label="sine")
     left.plot(phase, v.array("other"), color=OTHER, lw=1.6, label=other)
-    left.set_xlabel("phase between two crossings [-]")
-    left.set_ylabel(f"{signal}, each half wave over its best sine [-]")
-    left.set_title(f"half waves of {signal}", fontsize=9, loc="left")
-    legend(left)
-    tidy(left)
+    each = f"{signal}, each half wave over its best sine [-]"
+    finish(left, "phase between two crossings [-]", each, f"half waves of {signal}", named=True)
     a, b = v.array("error_sine"), v.array("error_other")
     unit = max(float(np.max([a.max(), b.max()])), 1e-300)
     right.plot(a / unit, b / unit, "o", ms=4, color=FIT, alpha=0.5, lw=0)
     right.plot([0, 1], [0, 1], color=FIT, lw=0.8, ls=":")
-    right.set_xlabel("error of the sine, largest = 1 [-]")
-    right.set_ylabel(f"error of the {other} [-]")
-    right.set_title(score, fontsize=9, loc="left")
-    tidy(right)
+    finish(right, "error of the sine, largest = 1 [-]", f"error of the {other} [-]", score)

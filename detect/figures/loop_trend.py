@@ -1,29 +1,26 @@
 """The trend of a loop over its whole record, and a few cycles of it with the stem and its sticks."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from stickslip.detect.figures.verdict import legend
+from stickslip.logs import LoopRecord
+from stickslip.logs.picture import Picture
 from stickslip.logs.style import COLOURS, EVENT
 from stickslip.logs.time_axis import TimeAxis
 from stickslip.logs.trend import draw_signal, finish_panel, mark_gaps, shade_bad
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.evidence import StemTrend
-    from stickslip.logs import LoopRecord
-
-__all__ = ["draw_trends", "named", "plot_cycles", "plot_trend", "shown_cycles"]
 
 CYCLES = 8.0  # in the picture of a few cycles
 SAMPLES = 600  # shown where nothing oscillates
 
 
-def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: StemTrend | None = None) -> None:
+def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: "StemTrend | None" = None) -> None:
     """Draw PV with SP above and OP below over the whole record, gaps and samples that do not count shaded.
 
     With ``sticks`` the stretches in which the stem stood while OP moved are marked below OP.
@@ -48,7 +45,7 @@ def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: StemTre
     upper.tick_params(labelbottom=False)
 
 
-def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
+def _mark_sticks(ax: Axes, axis: TimeAxis, stem: "StemTrend") -> None:
     """A bar at the foot of the panel wherever the stem stood while OP moved."""
     if len(stem.sticks):
         ax.broken_barh(
@@ -57,17 +54,15 @@ def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
         )  # fmt: skip
 
 
-def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
+def plot_trend(record: LoopRecord, stem: "StemTrend | None" = None) -> Figure:
     """The whole record; a long one as the envelope of its lowest and highest values."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(9.6, 3.9), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_trends(record, upper, lower, sticks=stem)
     return figure
 
 
-def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> tuple[float, float]:
+def shown_cycles(record: LoopRecord, period: float, stem: "StemTrend | None") -> tuple[float, float]:
     """From where to where a few cycles are shown [s]: the last ones, where the stem is known if it is."""
     t0, t1 = (float(record.t[0]), float(record.t[-1])) if stem is None else (float(stem.t[0]), float(stem.t[-1]))
     width = SAMPLES * (record.dt if stem is None else max(record.dt, float(stem.t[1] - stem.t[0])))
@@ -75,11 +70,9 @@ def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> t
     return max(t0, t1 - width), t1
 
 
-def plot_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> Figure:
+def plot_cycles(record: LoopRecord, period: float, stem: "StemTrend | None") -> Figure:
     """The last few cycles: PV with SP, and OP with the stem; dotted where it slips, a bar where it stands."""
     from dataclasses import replace
-
-    from stickslip.logs.picture import Picture
 
     t0, t1 = shown_cycles(record, period, stem)
     part = replace(record, log=record.log.between(t0, t1))

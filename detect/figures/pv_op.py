@@ -1,19 +1,9 @@
 """Pictures of the methods that draw a form of PV against OP."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
-from stickslip.detect.figures.verdict import draw_reason, legend
-from stickslip.detect.verdict import Verdict
-from stickslip.logs.style import tidy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["draw_pv_op"]
+from stickslip.detect.figures.verdict import finish
+from stickslip.detect.verdict import FigureBase, Verdict
 
 
 def draw_pv_op(v: Verdict, figure: FigureBase, form: str) -> None:
@@ -21,9 +11,6 @@ def draw_pv_op(v: Verdict, figure: FigureBase, form: str) -> None:
 
     Reads ``op`` and ``pv`` (g, m) of the evidence.
     """
-    if "op" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     op, pv = v.array("op"), v.array("pv")
     ax = figure.subplots()
     ax.plot(np.c_[op, op[:, :1]].T, np.c_[pv, pv[:, :1]].T, color=WAVE, lw=0.6)
@@ -33,8 +20,4 @@ def draw_pv_op(v: Verdict, figure: FigureBase, form: str) -> None:
     ellipse = root @ np.array([np.cos(turn), np.sin(turn)]) * np.sqrt(2.0)
     ax.plot(ellipse[0] + x.mean(), ellipse[1] + y.mean(), color=SINE, lw=1.4, ls="--", label="ellipse of two sines")
     ax.plot(np.append(x, x[0]), np.append(y, y[0]), color=OTHER, lw=1.6, label="mean cycle")
-    ax.set_xlabel("OP, drift off")
-    ax.set_ylabel(form)
-    ax.set_title("every curve is the mean of neighbouring cycles", fontsize=9, loc="left")
-    legend(ax)
-    tidy(ax)
+    finish(ax, "OP, drift off", form, "every curve is the mean of neighbouring cycles", named=True)

@@ -1,28 +1,24 @@
 """The picture of a survey: the tags of each group over time, their share of the oscillation, and the first suspect."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
-from stickslip.logs.style import INK, RED, SOFT, tidy
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from stickslip.detect.figures.verdict import finish
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import INK, RED, SOFT
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.plantwide.survey import Group, Survey
-
-__all__ = ["plot_survey"]
 
 MOST = 12  # tags of a group that are drawn
 CYCLES = 8.0  # of a group that are drawn
 POINTS = 2000
 
 
-def plot_survey(survey: Survey) -> Figure:
+def plot_survey(survey: "Survey") -> Figure:
     """A row a group: its strongest tags, and OP of its first suspect against the tag that shows the band."""
-    from stickslip.logs.picture import Picture
-
     rows = max(len(survey.groups), 1)
     heights = [0.9 + 0.26 * min(len(g.shares), MOST) for g in survey.groups] or [1.0]
     figure = Picture(figsize=(9.5, 0.6 + sum(max(h, 2.6) for h in heights)), layout="constrained")
@@ -37,7 +33,7 @@ def plot_survey(survey: Survey) -> Figure:
     return figure
 
 
-def _tags(ax: Axes, survey: Survey, group: Group) -> None:
+def _tags(ax: Axes, survey: "Survey", group: "Group") -> None:
     """The last cycles of the tags, the strongest on top, each brought to the same height."""
     log = survey.log
     inside = log.t >= log.t[-1] - CYCLES * group.period
@@ -54,15 +50,13 @@ def _tags(ax: Axes, survey: Survey, group: Group) -> None:
     ax.set_yticks(
         [0.4 - row for row in range(min(len(shown), MOST))], [f"{n}  {group.shares[n]:.0%}" for n in shown[:MOST]]
     )
-    ax.set_xlabel("time [s]")
     more = f", {len(shown) - MOST} more" if len(shown) > MOST else ""
     red = f"; red: {first}" if first else ""
-    ax.set_title(f"{len(shown)} tags share {group.period:.3g} s (share of variance{more}{red})", loc="left", fontsize=9)
-    tidy(ax)
+    finish(ax, "time [s]", "", f"{len(shown)} tags share {group.period:.3g} s (share of variance{more}{red})")
     ax.tick_params(axis="y", labelsize=7.5, length=0)
 
 
-def _suspect(ax: Axes, survey: Survey, group: Group) -> None:
+def _suspect(ax: Axes, survey: "Survey", group: "Group") -> None:
     """OP of the first suspect against the tag that shows its band, or the ranking in words where none does."""
     suspect = group.suspects[0] if group.suspects else None
     if suspect is None or suspect.seen_in is None:
@@ -73,7 +67,4 @@ def _suspect(ax: Axes, survey: Survey, group: Group) -> None:
     settled = log.t >= log.t[0] + 0.3 * log.duration
     step = max(1, int(settled.sum()) // POINTS)
     ax.plot(op[settled][::step], x[settled][::step], color=SOFT, lw=0.6, marker=".", ms=2)
-    ax.set_xlabel(f"OP of {suspect.loop}")
-    ax.set_ylabel(suspect.seen_in)
-    ax.set_title(f"answers after {suspect.S:.2g} % of OP", loc="left", fontsize=9)
-    tidy(ax)
+    finish(ax, f"OP of {suspect.loop}", suspect.seen_in, f"answers after {suspect.S:.2g} % of OP")

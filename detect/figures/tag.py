@@ -1,24 +1,20 @@
 """The picture of one valve over its records: S of each, what each adds, and the gain of every S over all."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.logs.picture import Picture
-from stickslip.logs.style import INK, PALE, SHADE, tidy
+from stickslip.logs.style import INK, PALE, SHADE
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from stickslip.detect.tag import Tag
 
-__all__ = ["plot_tag"]
 
-
-def plot_tag(tag: Tag) -> Figure:
+def plot_tag(tag: "Tag") -> Figure:
     """Return the picture; without evidence it holds the reason only."""
-    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.detect.figures.verdict import draw_reason, finish
 
     figure = Picture(figsize=(9.6, 3.4), layout="constrained")
     e = tag.evidence
@@ -33,12 +29,10 @@ def plot_tag(tag: Tag) -> Figure:
         left.axhspan(e.low, e.high, color=SHADE, lw=0)
         right.axvspan(e.low, e.high, color=SHADE, lw=0)
     left.scatter(number, [day.S for day in e.days], color=speaks, s=22)
-    left.set_title(f"S of each record [{unit}]", fontsize=9, loc="left")
     left.set_ylim(0.0, None)
     adds = [day.adds for day in e.days]
     middle.bar(number, adds, color=[INK if value > 0.0 else PALE for value in adds])
     middle.axhline(0.0, color=PALE, lw=0.8)
-    middle.set_title("what each adds to the gain [nats]", fontsize=9, loc="left")
     for axes in (left, middle):
         axes.set_xlabel("record")
         axes.set_xticks(number if len(number) <= 12 else number[:: len(number) // 6])
@@ -46,8 +40,7 @@ def plot_tag(tag: Tag) -> Figure:
     right.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
     right.plot(e.sizes, e.curve, ".-", color=INK)
     right.set_xscale("log")
-    right.set_xlabel(f"S [{unit}]")
-    right.set_title("gain of all together [nats]", fontsize=9, loc="left")
-    for axes in (left, middle, right):
-        tidy(axes)
+    finish(left, "", "", f"S of each record [{unit}]")
+    finish(middle, "", "", "what each adds to the gain [nats]")
+    finish(right, f"S [{unit}]", "", "gain of all together [nats]")
     return figure

@@ -1,30 +1,26 @@
 """Pictures of a valve test: OP and the answer over time, the answer over OP, and the large steps on one another."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
-from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE, tidy
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from stickslip.detect.figures.verdict import finish
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE
 from stickslip.logs.thinned import thinned
 from stickslip.logs.time_axis import TimeAxis, time_unit
 from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from stickslip.detect.valve_test.analysis import ValveTest
-
-__all__ = ["plot_responses", "plot_valve_test"]
 
 POINTS = 4000  # of the answer over OP
 BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 
-def plot_valve_test(test: ValveTest) -> Figure:
+def plot_valve_test(test: "ValveTest") -> Figure:
     """The trend, and the position of the valve over OP; steps without an answer are grey."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(9.5, 4.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
     upper = figure.add_subplot(grid[0, 0])
@@ -40,14 +36,12 @@ def plot_valve_test(test: ValveTest) -> Figure:
         right.plot(places[:, 0], places[:, 1], "-o", color=GREEN, ms=3, lw=0.7)
     else:
         right.plot(op[-POINTS:], answer[-POINTS:], color=GREEN, lw=0.6)
-    right.set_xlabel("OP [%]")
-    right.set_ylabel(f"{test.answer} at rest" if test.steps else test.answer)
-    tidy(right)
+    finish(right, "OP [%]", f"{test.answer} at rest" if test.steps else test.answer)
     figure.suptitle(" ".join((f"{test.name}:", *test.words[:2])), x=0.01, ha="left", fontsize=10)
     return figure
 
 
-def _trend(test: ValveTest, upper: Axes, lower: Axes) -> None:
+def _trend(test: "ValveTest", upper: Axes, lower: Axes) -> None:
     """OP above, the answer below; grey lines at steps that were not answered, marks at those that were timed."""
     record = test.record
     op, answer = record.op_percent, record.pv if record.mv is None else record.mv
@@ -71,10 +65,8 @@ def _trend(test: ValveTest, upper: Axes, lower: Axes) -> None:
     axis.finish(lower, float(record.t[0]), float(record.t[-1]))
 
 
-def plot_responses(test: ValveTest) -> Figure | None:
+def plot_responses(test: "ValveTest") -> Figure | None:
     """The answers to the timed steps on one another, each as a share of its final change; None without any."""
-    from stickslip.logs.picture import Picture
-
     if not test.responses:
         return None
     record = test.record
@@ -94,7 +86,5 @@ def plot_responses(test: ValveTest) -> Figure | None:
                     ha="right", fontsize=7.5, color=FIT)  # fmt: skip
     ax.set_xlim(-BEFORE * slow / scale, AFTER * slow / scale)
     ax.set_ylim(-0.25, 1.5)
-    ax.set_xlabel(f"time since the step [{unit}]")
-    ax.set_ylabel(f"{test.answer}, share of its change [-]")
-    tidy(ax)
+    finish(ax, f"time since the step [{unit}]", f"{test.answer}, share of its change [-]")
     return figure

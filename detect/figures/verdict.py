@@ -1,21 +1,17 @@
 """Pictures of verdicts: the evidence as a sceptic would draw it."""
 
-from __future__ import annotations
-
 import textwrap
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import WORDS
-from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, FigureBase
-
-__all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_verdict"]
+from stickslip.logs.arrays import Mask, Values
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, INK, SOFT, UNUSED, tidy
 
 PV = COLOURS["PV"]
 CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
@@ -24,8 +20,6 @@ DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 def plot_verdict(v: Verdict) -> Figure:
     """One figure: evidence of the method above, verdict and reason as its title."""
-    from stickslip.logs.picture import Picture
-
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
     standing = " (on trial)" if v.experimental else ""
@@ -40,6 +34,17 @@ def draw_evidence(v: Verdict, figure: FigureBase) -> None:
         draw_reason(v.reason, figure)
     else:
         v.draw(v, figure)
+
+
+def draw_stands(panels: Sequence[Axes], t: Values, signals: Mapping[str, Values], stands: Sequence[Any]) -> None:
+    """Each signal (n,) over t (n,) [s] in a panel of its own; ``stands``, from where to where [s], are shaded."""
+    for axes, (name, y) in zip(panels, signals.items(), strict=True):
+        axes.plot(t, y, color=INK)
+        for a, b in stands:
+            if a < t[-1]:
+                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
+        finish(axes, "", name)
+    panels[-1].set_xlabel("time [s]")
 
 
 def draw_reason(text: str, figure: FigureBase) -> None:
@@ -75,12 +80,9 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
         left.plot([], [], color=UNUSED, lw=6, label="left out: unlike the others")
     if len(start) and start[0] > np.nanmin(t):
         left.plot([], [], color=FIT, lw=0.8, label="not whole")
-    legend(left)
     left.margins(x=0.01, y=0.05)
     some = f"; the first {CYCLES} of {len(start)} half cycles" if len(start) > CYCLES else ""
-    left.set_xlabel(f"time [s]{some}")
-    left.set_ylabel("e = SP - PV, centred")
-    tidy(left)
+    finish(left, f"time [s]{some}", "e = SP - PV, centred", named=True)
     _draw_ratios(v, right, used)
 
 
@@ -92,7 +94,17 @@ def legend(axes: Axes) -> None:
     )  # fmt: skip
 
 
-def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
+def finish(axes: Axes, x: str = "", y: str = "", title: str = "", named: bool = False) -> None:
+    """Label a panel, name its lines if they are ``named``, and leave it no more lines than it needs."""
+    axes.set(**{of: text for of, text in (("xlabel", x), ("ylabel", y)) if text})
+    if title:
+        axes.set_title(title, fontsize=9, loc="left")
+    if named:
+        legend(axes)
+    tidy(axes)
+
+
+def _draw_ratios(v: Verdict, axes: Axes, used: Mask) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = v.array("area_before") / v.array("area_after")
     below = v.array("peak") > 0  # of e = SP - PV
@@ -119,8 +131,7 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     ticks = [r for r in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if low <= r <= high]
     axes.set_yticks(ticks, [f"{r:g}" for r in ticks])
     axes.minorticks_off()
-    axes.set_title("R = A1 / A2, with 90 % band", fontsize=9, loc="left")
-    tidy(axes)
+    finish(axes, "", "", "R = A1 / A2, with 90 % band")
 
 
 def _at_line(axes: Axes, height: float, text: str) -> None:

@@ -13,8 +13,6 @@ from stickslip.detect.signals.order_kernels import count_before, count_until, me
 from stickslip.detect.signals.smoothing_kernels import averages, noise
 from stickslip.logs.compiled import njit
 
-__all__ = ["all_pieces"]
-
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _less_average(t: Any, x: Any, width: float) -> tuple[Any, Any]:

@@ -25,13 +25,10 @@ the period blunts the corner of clean data (2.20 at 2 % noise); the filters that
 not. The moving average is the default, being as good as the Kalman smoother and far simpler.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN, HalfCycle, in_pieces
 from stickslip.detect.health import conditions
 from stickslip.detect.health.fact import Fact
@@ -41,10 +38,7 @@ from stickslip.detect.signals.gaps import SINGLE_STEPS, Gap, falls_into, gaps_in
 from stickslip.detect.signals.order import median_step
 from stickslip.detect.verdict import Code
 from stickslip.logs import LoopRecord
-
-__all__ = ["Cycles", "Params", "Refusal", "cut", "preconditions"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class Refusal(NamedTuple):
@@ -58,14 +52,10 @@ class Refusal(NamedTuple):
 class Params:
     """Preparation of e.
 
-    smooth_max : float
-        Widest moving average [share of the period].
-    noise_share : float
-        Noise that smoothing aims to leave [share of the signal's standard deviation].
-    drift_share : float
-        A baseline that moves by more than this share of the swing's standard deviation is taken off.
-    gate : oscillation.Params
-        Test for an oscillation.
+    smooth_max : widest moving average [share of the period]
+    noise_share : noise that smoothing aims to leave [share of the signal's standard deviation]
+    drift_share : a baseline that moves by more than this share of the swing's standard deviation is taken off
+    gate : oscillation.Params; test for an oscillation
     """
 
     smooth_max: float = 0.10
@@ -79,14 +69,11 @@ class Cycles:
     """The half cycles of a record or a block, and what was found on the way.
 
     half_cycles : tuple of HalfCycle, in order of time, faulty ones marked
-    period, dt : float [s]
-        Mean period and median sampling interval.
+    period, dt : float [s]; mean period and median sampling interval
     regularity : float [-], of the gate
     notes : tuple of str, what was assumed or done, without full stops
-    centre : str
-        What e is measured from: "SP", or "its mean" when SP is not logged.
-    t, e : (m,) [s], [unit of PV]
-        The prepared error, NaN between pieces.
+    centre : what e is measured from: "SP", or "its mean" when SP is not logged
+    t, e : (m,) [s], [unit of PV]; the prepared error, NaN between pieces
     """
 
     half_cycles: tuple[HalfCycle, ...]
@@ -111,8 +98,7 @@ def cut(
     """
     p = p or Params()
     facts = conditions.examine(record) if facts is None else facts
-    refusal = preconditions(record, facts)
-    if refusal is not None:
+    if refusal := preconditions(record, facts):
         return refusal
     pieces = pieces_of(record, p.gate) if pieces is None else pieces
     t, gate = pieces.longest[0], pieces.gate
@@ -131,8 +117,7 @@ def cut(
             f"The period of {gate.period:.4g} s has {gate.period / dt:.1f} samples; "
             f"at least {2 * (SAMPLES_MIN + 1)} are needed to see where a peak sits.",
         )
-    refusal = _drawn(record, facts, gate.period, dt)
-    if refusal is not None:
+    if refusal := _drawn(record, facts, gate.period, dt):
         return refusal
     notes: list[str] = []
     centre = "SP"

@@ -1,4 +1,4 @@
-"""Half cycles measured, compiled: ``half_cycles.measure``, and the sums of ``hagglund2011``.
+"""Half cycles measured, compiled: ``half_cycle``, and the sums of ``hagglund2011``.
 
 Loaded when first called.  A record has hundreds of half cycles of a few dozen samples, for which arrays are too dear,
 and so is a call for each: ``half_cycles`` and ``half_waves`` go through all of a record.
@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.detect.signals.order_kernels import count_before, count_until
 from stickslip.logs.compiled import njit
-
-__all__ = ["FAULTS", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
 
 FAULTS = ("", "short", "two_peaks", "flat", "length", "low")
 MARGIN_SAMPLES = 4  # samples beyond a half cycle that help to place its peak
@@ -46,7 +44,7 @@ def _corner(t: Any, x: Any, sign: float, a: int) -> tuple[float, float, float]:
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _vertex(t: Any, x: Any, sign: float, k: int, kink: float) -> tuple[float, float]:
-    """Time and height of the peak near its highest sample k; see ``half_cycles.measure``."""
+    """Time and height of the peak near its highest sample k; see ``half_cycle``."""
     here = sign * x[k]
     if k < 1 or k > len(t) - 2:
         return t[k], here
@@ -71,7 +69,15 @@ def _vertex(t: Any, x: Any, sign: float, k: int, kink: float) -> tuple[float, fl
 def half_cycle(
     t: Any, x: Any, start: float, end: float, noise: float, least: int, flat_share: float, two_peaks: float, kink: float
 ) -> tuple[Any, ...]:
-    """Fault (index of FAULTS), peak time, peak, areas before and after, samples, misfits of sine and triangle."""
+    """Fault (index of FAULTS), peak time, peak, areas before and after, samples, misfits of sine and triangle.
+
+    x is centred on its baseline and reaches beyond the half cycle if it can.  Samples within one ``noise`` of the
+    highest are the top, and the peak is the centre of the top weighted by height; without noise it is interpolated.
+
+    The lines through the two samples on either side meet in a corner (exact for a triangle, near exact for an
+    exponential); the parabola through three samples is exact for a round top. The corner is believed when the
+    slope breaks there by more than ``kink`` times what the curvature on either side would explain.
+    """
     lo, hi = count_until(t, start), count_before(t, end)
     n = hi - lo
     if n < least:

@@ -8,17 +8,11 @@ Works on uneven sampling throughout: areas are trapezoids of the polygon through
 crossings and the interpolated peak.
 """
 
-from __future__ import annotations
-
 from itertools import starmap
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["HalfCycle", "in_pieces", "measure"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Indices, Values
 
 FLAT_SHARE = 0.6  # a sine spends 29 % of its half period above 90 % of its peak, a triangle 10 %, a square 100 %
 TWO_PEAKS_SHARE = 0.2  # tops apart by more than this share of the half cycle are two peaks
@@ -30,16 +24,11 @@ class HalfCycle(NamedTuple):
     """One half cycle between two zero crossings.
 
     start, peak_time, end : float [s]
-    peak : float
-        Signed height [unit of the signal].
-    area_before, area_after : float
-        A1 and A2, both positive [unit s].
-    samples : int
-        Samples between the crossings.
-    sine_misfit, triangle_misfit : float
-        Squared distance to the best sine and the best triangle on the same base [unit^2 s].
-    fault : str
-        "" or why it cannot be used: "short", "flat", "two_peaks", "length", "low", "gap".
+    peak : signed height [unit of the signal]
+    area_before, area_after : A1 and A2, both positive [unit s]
+    samples : samples between the crossings
+    sine_misfit, triangle_misfit : squared distance to the best sine and the best triangle on the same base [unit^2 s]
+    fault : "" or why it cannot be used: "short", "flat", "two_peaks", "length", "low", "gap"
     """
 
     start: float
@@ -59,35 +48,8 @@ class HalfCycle(NamedTuple):
         return self.end - self.start
 
 
-def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) -> HalfCycle:
-    """The half cycle of x between the crossings ``start`` and ``end`` [s].
-
-    Parameters: ``t``, ``x`` ((n,)) The signal, reaching beyond the half cycle if it can; x centred on its baseline;
-    ``noise`` (float) Noise left in x [unit of x]. Samples within one ``noise`` of the highest are the top, and the peak
-    is the centre of the top weighted by height; without noise it is interpolated between samples.
-
-    The lines through the two samples on either side meet in a corner (exact for a triangle, near exact for an
-    exponential); the parabola through three samples is exact for a round top. The corner is believed when the
-    slope breaks there by more than KINK times what the curvature on either side would explain.
-    """
-    from stickslip.detect.half_waves.half_cycle_kernels import FAULTS, half_cycle
-
-    fault, peak_time, peak, before, after, samples, sine, triangle = half_cycle(
-        np.ascontiguousarray(t),
-        np.ascontiguousarray(x),
-        start,
-        end,
-        noise,
-        SAMPLES_MIN,
-        FLAT_SHARE,
-        TWO_PEAKS_SHARE,
-        KINK,
-    )
-    return HalfCycle(start, peak_time, end, peak, before, after, samples, sine, triangle, FAULTS[fault])
-
-
 def in_pieces(
-    t: Values, x: Values, bounds: npt.NDArray[np.intp], periods: Values, smooth_max: float, noise_share: float,
+    t: Values, x: Values, bounds: Indices, periods: Values, smooth_max: float, noise_share: float,
     drift_share: float,
 ) -> tuple[list[HalfCycle], Values, bool]:  # fmt: skip
     """The half cycles of the pieces of x (n,) between ``bounds`` (m + 1,), made ready as the module of ``cycles`` says.

@@ -17,19 +17,14 @@ the triangle (q = 0) to the square (q = infinity). Without dead time it is also 
 All half waves are fitted at once: one pass over their samples for each shape, two for the free triangle.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.waves import HalfWave
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["RATIOS", "Fit", "Samples", "folded", "free_triangle", "gather", "relay", "relay_wave", "sine", "triangle"]
-
-Values = npt.NDArray[np.float64]
 RATIOS: Values = np.geomspace(0.05, 30.0, 25)  # theta / tau tried, as in the paper of Rossi and Scali
 
 
@@ -38,7 +33,7 @@ class Samples(NamedTuple):
 
     phase: Values
     y: Values
-    first: npt.NDArray[np.intp]
+    first: Indices
     length: Values
 
     def sums(self, x: Values) -> Values:

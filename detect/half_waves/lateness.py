@@ -5,20 +5,13 @@
 A1 and A2 are the areas before and after the peak of each half cycle. The half cycles are weighed anew for the interval.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.half_cycles import HalfCycle
 from stickslip.detect.signals.bootstrap import interval
-
-Values = npt.NDArray[np.float64]
-
-__all__ = ["Lateness", "Side", "closed_form", "lag_of", "lateness"]
 
 
 class Side(NamedTuple):
@@ -51,17 +44,14 @@ def lateness(half_cycles: Sequence[HalfCycle], resamples: int, seed: int, covera
     before = np.array([half.area_before for half in half_cycles])
     after = np.array([half.area_after for half in half_cycles])
     peak = np.array([half.peak for half in half_cycles])
-    low, high = interval(_ratio, np.column_stack([before, after]), coverage, resamples, seed)
+    areas = np.column_stack([before, after])
+    low, high = interval(lambda means: np.asarray(means[..., 0] / means[..., 1]), areas, coverage, resamples, seed)
     sides = {
         name: Side(float(before[side].sum() / after[side].sum()), int(side.sum()))
         for name, side in (("above", peak < 0), ("below", peak > 0))
         if side.any()
     }
     return Lateness(float(before.sum() / after.sum()), low, high, sides)
-
-
-def _ratio(means: Values) -> Values:
-    return np.asarray(means[..., 0] / means[..., 1])
 
 
 def closed_form(h: float) -> float:

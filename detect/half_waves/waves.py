@@ -4,20 +4,14 @@ A half wave is accepted from 0.25 to 1 period long, with five samples or more in
 standard deviation.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN
 from stickslip.detect.signals.crossings import crossings
-
-__all__ = ["HalfWave", "half_waves_of"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class HalfWave(NamedTuple):

@@ -7,19 +7,13 @@ PV follow (lag > 0).  Where PV leads, or the two move at once, OP is made from P
 wave.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.stick import turn_time
-
-__all__ = ["causality", "lag_of_pv"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def lag_of_pv(op: Values, pv: Values, sign: float, half: float) -> tuple[float, float]:

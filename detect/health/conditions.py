@@ -4,8 +4,6 @@ A fact is measured first and judged second: ``Fact.present`` compares the value 
 quotes both, so that a refusal can say "OP sits at a limit in 23 % of the samples (10 % allowed)".
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.health.drawn import controlled_as_logged, drawn
@@ -17,13 +15,9 @@ from stickslip.detect.health.stale import held, stale
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.verdict import Code
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.modes import CASCADE
 
-__all__ = [
-    "Fact", "compressed", "constant", "drawn_op", "examine", "manual", "missing", "quantised", "saturated", "set_point",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
 UNSATURATED = "Log a stretch with OP away from its limits."
 SLAVE_SHARE = 0.5  # of the samples at which SP moves at all: a master does that, no operator
 
@@ -40,20 +34,10 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
     if first[-1].present:
         return first  # of such numbers nothing else can be worked out
     return (
-        *first,
-        constant(record, "PV"),
-        constant(record, "OP"),
-        asleep(record),
-        frozen(record),
-        copied(record),
-        unresponsive(record),
-        stale(record),
-        saturated(record),
-        set_point(record),
-        quantised(record),
-        compressed(record),
-        untracked(record),
-    )
+        *first, constant(record, "PV"), constant(record, "OP"), asleep(record), frozen(record), copied(record),
+        unresponsive(record), stale(record), saturated(record), set_point(record), quantised(record),
+        compressed(record), untracked(record),
+    )  # fmt: skip
 
 
 def manual(record: LoopRecord, limit: float = 0.5) -> Fact:
@@ -183,8 +167,6 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
     the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.
     """
-    from stickslip.detect.signals.kernels import on_grid
-
     x = _good(record, record.pv)
     moves = np.abs(np.diff(x))
     counted = moves > 1e-9 * float(np.max(np.abs(x))) if len(x) else moves > 0.0
@@ -193,12 +175,18 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
         return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.", judged=False)
     step = percentile(moves, 1.0)
     levels = float(np.ptp(x)) / step
-    if not on_grid(x, step, 0.05, 0.9):
+    if not on_grid(x, step):
         return Fact("quantised", False, levels, limit, "PV is not on a grid.")
     text = f"PV moves in steps of {step:.4g}, {levels:.0f} levels in its swing ({limit:.0f} needed)."
     return Fact(
         "quantised", levels < limit, levels, limit, text, "Log PV with all the digits that the transmitter has."
     )
+
+
+def on_grid(x: Values, step: float) -> bool:
+    """Whether nine in ten of the values (n,) lie within 5 % of a ``step`` of a grid through the first."""
+    place = (x - x[0]) / step
+    return bool(np.mean(np.abs(place - np.round(place)) < 0.05) >= 0.9 - 1e-9)
 
 
 def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:

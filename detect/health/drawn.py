@@ -15,17 +15,11 @@ and again to the half that fits best; half of what is left there must be below 1
 part of e.  A controller without that part never shows it.  The limits are ours.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["controlled_as_logged", "drawn", "free_of_noise"]
-
-Values = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 STRAIGHT_SHARE = 1e-6  # of the swing
 LEFT_SHARE = 1e-3  # of the standard deviation of the integral part
 MOVES_MIN = 20  # moves of OP that a fit needs
@@ -67,9 +61,8 @@ def controlled_as_logged(record: LoopRecord) -> bool:
 
 
 def _bends(t: Values, x: Values) -> tuple[Values, Mask]:
-    from stickslip.detect.signals.kernels import bends, curving
-
-    bend, curved = np.empty(len(x) - 2), np.empty(len(x) - 2, dtype=np.bool_)
-    bends(t, x, bend)
-    curving(bend, curved)
-    return bend, curved
+    """How far each sample lies off the line between its neighbours, and where that bend has their sign and size."""
+    bend = np.diff(x)[:-1] - (x[2:] - x[:-2]) * (np.diff(t)[:-1] / (t[2:] - t[:-2]))
+    here = np.where(bend == 0.0, np.nan, bend)
+    around = [np.concatenate([bend[:1], bend[:-1]]) / here, np.concatenate([bend[1:], bend[-1:]]) / here]
+    return bend, np.all([(beside >= 0.5) & (beside <= 2.0) for beside in around], axis=0)

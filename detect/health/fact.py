@@ -1,12 +1,8 @@
 """One measured property of a record: its number, its limit, and what to log instead."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from stickslip.detect.verdict import Code
-
-__all__ = ["Fact"]
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,9 @@
 A loop whose stem is logged has a valve, and a unit that is not known says nothing.
 """
 
-from __future__ import annotations
-
 from stickslip.detect.health.fact import Fact
 from stickslip.logs import LoopRecord
 from stickslip.logs.tags import measurement_in
-
-__all__ = ["no_valve"]
 
 NO_VALVES = ("speed", "flow", "temperature")
 MACHINES = ("n m", "nm", "n·m", "w", "kw", "mw", "hz")  # what no instrument of `stickslip.logs.tags` measures

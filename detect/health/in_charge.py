@@ -7,18 +7,13 @@
 The limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
+from stickslip.detect.signals.runs import stands
 from stickslip.logs import LoopRecord
 
-__all__ = ["asleep", "copied", "untracked"]
-
-Values = npt.NDArray[np.float64]
 STAND_SAMPLES = 30  # samples, from which on a stand of OP is long
 END_SHARE = 0.005  # of the span of OP, within which it stands at a limit
 
@@ -28,12 +23,10 @@ def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
 
     Methods refuse where OP is PV, number by number; a P controller copies PV too, turned over or to another scale.
     """
-    from stickslip.detect.signals.kernels import pair
-
     pv, op = record.pv[record.kept], record.op[record.kept]
-    sd_pv, sd_op, both = pair(pv, op) if len(pv) >= 50 else (0.0, 0.0, 0.0)
-    size = sd_pv * sd_op
-    alike = abs(both) / size if size > 0.0 else 0.0
+    y, u = (x - x[:1] for x in (pv, op))  # so that what stands has no spread at all
+    size = float(np.std(y) * np.std(u)) if len(pv) >= 50 else 0.0
+    alike = abs(float(np.mean((y - y.mean()) * (u - u.mean())))) / size if size > 0.0 else 0.0
     same = size > 0.0 and bool(np.array_equal(pv, op))
     text = f"OP is no copy of PV (correlation {alike:.3f})."
     if alike > limit:
@@ -54,14 +47,14 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
     if record.mode is not None or record.e is None:
         why = "SP is not logged" if record.mode is None else "the mode is logged"
         return Fact("manual_mode", False, 0.0, limit, f"OP is not searched for stands: {why}.", judged=False)
-    from stickslip.detect.signals.kernels import long_stands, spread
+    from stickslip.detect.signals.kernels import spread
 
     op, pv, e = record.op[record.kept], record.pv[record.kept], record.e[record.kept]
-    stands = np.empty((len(op) // STAND_SAMPLES + 1, 2), dtype=np.int64)
     asleep = 0
     low, high = record.op_span or (-math.inf, math.inf)
     near = END_SHARE * (high - low) if math.isfinite(high - low) else 0.0
-    for start, end in stands[: long_stands(op, STAND_SAMPLES, stands) if len(op) else 0].tolist():
+    first, length = stands(op)
+    for start, end in np.column_stack([first, first + length])[length >= STAND_SAMPLES].tolist():
         if not low + near < op[start] < high - near:
             continue  # at its limit OP is not asleep, but saturated, which another fact says
         off, swing = spread(e[start:end])[0], spread(pv[start:end])[1]

@@ -8,18 +8,13 @@ PV does not respond where OP travels, the blocks of PV move by no more than nois
 transmitter repeats its last value, bit for bit, while OP moves on.  The limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
+from stickslip.detect.signals.runs import stands
 from stickslip.logs import LoopRecord
 
-__all__ = ["frozen", "unresponsive"]
-
-Values = npt.NDArray[np.float64]
 TRAVEL_PERCENT = 2.0  # of the span of OP, from which on it is a travel
 BLOCKS = 40
 ROUNDING = 1e-9  # of OP: a smaller step is that of a simulated controller whose integral has settled
@@ -55,16 +50,17 @@ def unresponsive(record: LoopRecord, limit: float = 1.7) -> Fact:
 def frozen(record: LoopRecord, limit: float = 0.2) -> Fact:
     """Share of the record in the longest stand of PV, bit for bit, while OP moves [-]."""
     remedy = "Check the transmitter, and log a stretch in which it lives."
-    from stickslip.detect.signals.kernels import longest_stand
-
     pv, op = record.pv[record.kept], record.op[record.kept]
     if len(pv) < 2:
         return Fact("frozen_pv", False, 0.0, limit, "PV is too short to look for a stand.", remedy, judged=False)
-    start, length = longest_stand(pv)
+    first, lengths = stands(pv)
+    start, length = (int(each[np.argmax(lengths)]) for each in (first, lengths))
     share = length / len(pv)
     while_still = op[start : start + length] if share > limit else op[:1]
     moves = int(np.count_nonzero(np.abs(np.diff(while_still)) > ROUNDING * np.max(np.abs(while_still))))
-    found = moves > 0.5 * length and length > 10.0 * _ordinary(pv)
+    found = moves > 0.5 * length and length > 10.0 * float(
+        np.percentile(lengths, 90)
+    )  # on a coarse grid PV stands often, and as long
     text = (
         f"PV repeats {pv[start]:.6g}, bit for bit, over {length} samples ({share:.0%} of the record, {limit:.0%} "
         f"allowed) while OP moves {moves} times: the transmitter or its line is dead there."
@@ -72,9 +68,3 @@ def frozen(record: LoopRecord, limit: float = 0.2) -> Fact:
         else f"PV stands for {length} samples at most."
     )
     return Fact("frozen_pv", found, share, limit, text, remedy)
-
-
-def _ordinary(pv: Values) -> float:
-    """How long PV stands at most in nine of ten stands [samples]: on a coarse grid it stands often, and as long."""
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(pv)) + 1, [len(pv)]])
-    return float(np.percentile(np.diff(edges), 90))

@@ -7,18 +7,14 @@ also stands while the other moves.  Held samples were not measured; ``without_st
 method takes them for a stem at rest, and short holds are bridged as any gap.  The limits are ours.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health.fact import Fact
+from stickslip.detect.signals.runs import runs
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["held", "stale", "without_stale"]
-
-Mask = npt.NDArray[np.bool_]
 HELD_SHARE = 0.02  # of the samples, from which on holds are counted as stale
 TOGETHER_SHARE = 0.8  # of the holds of either signal that the other must share
 RUNS = 5  # holds that make a habit; a loop at rest stands once, for long
@@ -36,17 +32,15 @@ def held(record: LoopRecord) -> Mask:
 
 def stale(record: LoopRecord) -> Fact:
     """Share of samples held, where the two signals stand together and seldom alone; methods refuse above 70 %."""
-    from stickslip.detect.signals.kernels import repeated
-
-    n = len(record)
-    both, pv, op, runs = repeated(record.pv, record.op)
-    share, alone = both / max(n, 1), max(pv, op) / max(n - 1, 1)
-    together = share > HELD_SHARE and runs >= RUNS and share >= TOGETHER_SHARE * alone
+    pv, op = _repeats(record.pv), _repeats(record.op)
+    share = int(np.sum(pv & op)) / max(len(record), 1)
+    alone, holds = max(int(pv.sum()), int(op.sum())) / max(len(pv), 1), len(runs(pv & op)[0])
+    together = share > HELD_SHARE and holds >= RUNS and share >= TOGETHER_SHARE * alone
     if not together:
         text = f"PV and OP stand still together in {share:.0%} of the samples, which is no more than chance or rest."
         return Fact("stale_data", False, share, HELD_SHARE, text)
     text = (
-        f"PV and OP stand still together, bit for bit, in {share:.0%} of the samples, {runs} times ({HELD_SHARE:.0%} "
+        f"PV and OP stand still together, bit for bit, in {share:.0%} of the samples, {holds} times ({HELD_SHARE:.0%} "
         "allowed): stale collection. These samples are taken as missing."
     )
     remedy = "Log PV and OP at the controller's scan, without exception or caching, on one clock."
@@ -61,5 +55,5 @@ def without_stale(record: LoopRecord) -> LoopRecord:
     return replace(record, log=replace(record.log, quality=quality))
 
 
-def _repeats(x: npt.NDArray[np.float64]) -> Mask:
+def _repeats(x: Values) -> Mask:
     return np.asarray(x[1:] == x[:-1])

@@ -1,15 +1,11 @@
 """What a record should be like, in words: each condition once, whichever facts it is judged by."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.verdict import Code
-
-__all__ = ["Condition", "met"]
 
 _WANTED: Mapping[Code, str] = MappingProxyType({
     "no_valve": "OP moves a valve",

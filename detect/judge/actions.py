@@ -1,11 +1,7 @@
 """The action for each cause, who takes it, and the test that confirms the cause; its steps follow from the size."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
-
-__all__ = ["CAUSES", "Doing", "confirming_steps"]
 
 
 @dataclass(frozen=True)

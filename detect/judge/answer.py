@@ -15,8 +15,6 @@
 The detection limit is the least S that the likelihood excludes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -33,18 +31,15 @@ from stickslip.detect.judge.still_stem import Still, still_stem
 from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.likelihood.words import said as in_words
 from stickslip.detect.plantwide.slips import Slips
-from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
+from stickslip.detect.prepare.prepared import PERCENT, STEPS_MAX, Prepared
 from stickslip.detect.stem.recent import recent, samples_per_period
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
 from stickslip.logs.chances import chance
 
-__all__ = ["Amount", "Answer", "answer", "next_step"]
-
 FAR = 2.0  # distance from the loops learnt from, over that of 95 % of them, from which on nothing is concluded
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
-PERCENT = "% of OP"
 SAMPLES_MIN = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
 # probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
@@ -84,7 +79,6 @@ class Answer:
     word : as in ``Verdict``
     probability : of stiction [-], None where the model was not asked
     causes : probability of each cause [-], largest first; empty where the model was not asked
-    S, J : Amount or None
     limit : (S, unit) above which a stick would have shown, or None
     reason, action : sentences
     assumptions : what was inferred, one sentence each
@@ -169,18 +163,12 @@ def _sampled(loop: Prepared) -> str:
     )
 
 
-def _unit(loop: Prepared) -> tuple[float, str]:
-    """What an amount in the unit of OP is multiplied by, and the unit it then has."""
-    percent = loop.op_percent(1.0)
-    return (percent, PERCENT) if percent is not None else (1.0, "in the unit of OP")
-
-
 def _judged(
     loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model, seen: Evidence | None
 ) -> Answer:
     concluded = _concluded(loop, view, said, model, seen)
     if seen is not None and (seen.accuses or concluded.word == "inconclusive"):
-        concluded = replace(concluded, reason=f"{concluded.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}")
+        concluded = replace(concluded, reason=f"{concluded.reason} {in_words(seen, loop.op_unit[1] == PERCENT)}")
     weighed = grounds(found, model.shares(found), concluded.probability is not None and concluded.probability >= 0.5)
     if concluded.word == "no_stiction" and seen is not None and concluded.limit is not None:
         size = f"{rounded(concluded.limit[0]):g} {concluded.limit[1]}"
@@ -207,7 +195,7 @@ def _only_the_end(loop: Prepared, view: View) -> tuple[str, ...]:
 
 
 def _concluded(loop: Prepared, view: View, said: Opinion, model: Model, seen: Evidence | None) -> Answer:
-    scale, unit = _unit(loop)
+    scale, unit = loop.op_unit
     travel = view.travel * view.op_scale * scale
     S, J = (Amount(value * travel, low * travel, high * travel, unit) for value, low, high in (said.S, said.J))
     limit = None if seen is None or math.isinf(seen.excluded) else (seen.claim, unit)

@@ -5,14 +5,10 @@
 Only what speaks for the verdict is said, the weightiest first, with the picture that shows it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
 from stickslip.detect.judge.features import MOST_NATS
-
-__all__ = ["Ground", "Picture", "grounds"]
 
 Found = Mapping[str, float]
 LEAST = 0.05  # in log odds: what moves them less is no reason

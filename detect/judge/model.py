@@ -15,8 +15,6 @@ The causes sum to one and the probability of stiction is one of them, so that th
 come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``, plain JSON.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping
@@ -26,13 +24,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = [
-    "FILE", "PLACE", "SCHEMA", "SEEN", "SHARES", "SIZE", "Model", "Opinion", "calibrated", "ln_size", "sure", "weighed",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
 FILE = Path(__file__).with_name("calibration.json")
 SCHEMA = "stickslip.calibration.model/4"
 APART = 1.7  # factor: in an even cycle without noise the likeliest S may be half or twice the true one
@@ -123,7 +116,7 @@ class Model:
         file.write_text(json.dumps({"schema": SCHEMA, **asdict(self)}, indent=1) + "\n", encoding="utf-8")
 
     @classmethod
-    def read(cls, file: Path) -> Model:
+    def read(cls, file: Path) -> "Model":
         """The model kept in a file; raises ValueError if it holds another kind or version."""
         kept = json.loads(file.read_text(encoding="utf-8"))
         if kept.pop("schema", None) != SCHEMA:
@@ -151,7 +144,7 @@ def ln_size(network: Values, likely: Values, share: Values) -> Values:
     return np.where(np.abs(off) < math.log(APART), network + share * off, network)
 
 
-def sure(network: Values, likely: Values, share: Values) -> npt.NDArray[np.intp]:
+def sure(network: Values, likely: Values, share: Values) -> Indices:
     """How many of ``SHARES`` (n,) the likelihood's share in S reaches; 0 where S is the network's alone.
 
     >>> sure(np.full(3, -1.0), np.array([np.nan, -1.4, -2.0]), np.array([np.nan, 0.75, 0.75])).tolist()

@@ -1,13 +1,9 @@
 """The answer on one record: where it spans several days, that on its valve from all of them."""
 
-from __future__ import annotations
-
 from stickslip.detect.judge.answer import Answer, answer
 from stickslip.detect.judge.pooled import evidence_of_all, pooled
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.signals.days import DAY_S, days_of, edges_of_days
-
-__all__ = ["answer_over_days"]
 
 
 def answer_over_days(loop: Prepared) -> Answer:

@@ -16,17 +16,12 @@ neither drawn by a historian nor rounded; and OP that moves by less than ``STEP`
 It accuses and never clears.  The idea and the limits are ours.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.plantwide.slips import SIDE_SAMPLES, Jumps, Slips, jumps_of, larger, slips_of
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
+from stickslip.logs.arrays import Values
 
-__all__ = ["driving", "own_slips", "rate_of"]
-
-Values = npt.NDArray[np.float64]
 EXPLAINED, MOVED = 0.8, 0.15
 MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it

@@ -10,24 +10,20 @@ The model errs alike on records of one loop, so its odds are not multiplied; lik
 new noise.  So a weak trace that agrees over weeks is found, and one odd day is not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from stickslip.detect.judge.actions import CAUSES
-from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
+from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, Amount, Answer, next_step
 from stickslip.detect.judge.features.earned import usable
 from stickslip.detect.judge.model import Model, Opinion, calibrated
 from stickslip.detect.likelihood.pooled import Evidence, evidence_of
 from stickslip.detect.likelihood.words import said
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import PERCENT, Prepared
 from stickslip.detect.verdict import Word
 from stickslip.logs.chances import chance
-
-__all__ = ["evidence_of_all", "pooled"]
 
 TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
 

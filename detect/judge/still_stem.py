@@ -18,20 +18,14 @@ A stick wider than ``WIDEST`` is not believed without such a test.  Stems at an 
 because their seat or stop may hold them.
 """
 
-from __future__ import annotations
-
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Grid, Prepared
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT, NEED_NOT_MOVE_PERCENT
 from stickslip.detect.stem.stick import turns
 
-__all__ = ["Still", "still_stem"]
-
-Values = npt.NDArray[np.float64]
 WIDEST_PERCENT = 30.0  # % of OP: S + J beyond it is rarer than a tag that is dead (plants show S up to 15 %, J up to S)
 TURNS = 2  # of OP, by more than half of its range
 NOISE_SIGMAS = 8.0  # standard deviations of MV's noise that a stem which stands may range over
@@ -98,9 +92,8 @@ def _meaning(
     if grid.sp is not None and np.all(np.isfinite(grid.sp)):
         moved, off = (float(np.subtract(*np.percentile(x, [75, 25]))) for x in (grid.sp, grid.sp - grid.pv))
         if moved > FOLLOWS * off > 0.0:
-            return (
-                "dead",
-                "PV follows the moves of SP all the same, so that the valve moves and the stem's tag is dead.",
+            return "dead", (
+                "PV follows the moves of SP all the same, so that the valve moves and the stem's tag is dead."
             )
     span = loop.record.op_span
     if span is not None and percent is not None and not min(abs(place - end) for end in span) > END_PERCENT / percent:

@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 from stickslip.logs.compiled import njit
 
-__all__ = ["climb", "explained_by"]
-
 RIDGE = 1e-7  # of each column's square: columns that repeat each other must not stop the fit, in any unit
 ROUNDING = 1e-12  # of a column's square before what is known is taken off it: less than that left is rounding
 

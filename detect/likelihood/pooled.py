@@ -26,19 +26,14 @@ Source: ours; the limits are those of a trial on real and simulated loops, kept 
 line.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.likelihood.stems import COARSE, FINER, LATE, Gains, Stems
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["Day", "Evidence", "evidence_of"]
-
-Values = npt.NDArray[np.float64]
 GAIN_NATS, WITHOUT_BEST_NATS, TURNS, DELAYS = 10.0, 5.0, 4, 2  # to accuse
 LOSS_NATS, ANSWERS_NATS, KEEPS = 10.0, 10.0, 3.0  # to clear
 ACCUSED_SHARE, EXCLUDED_SHARE = 0.1, 0.15  # of OP's travel: least S that is called, that must be excluded
@@ -152,7 +147,7 @@ class _At:
     size: int
     jumps: bool
     total: Values
-    grid: npt.NDArray[np.intp]
+    grid: Indices
     at: tuple[int, ...]
     kept: tuple[Gains, ...]
     rival: str
@@ -210,9 +205,7 @@ def evidence_of(records: Sequence[Stems]) -> Evidence:
     )  # fmt: skip
 
 
-def _summed(
-    parts: Sequence[Gains], grid: npt.NDArray[np.intp], freedom: int, rival: str, rows: int
-) -> tuple[Values, list[npt.NDArray[np.intp]]]:
+def _summed(parts: Sequence[Gains], grid: Indices, freedom: int, rival: str, rows: int) -> tuple[Values, list[Indices]]:
     """G at every size of the grid, (m, 2), and which size of each record makes it up, [(m, 2)] columns."""
     total = np.zeros((len(grid), 2)) - _paid(rows)
     chosen = []
@@ -231,7 +224,7 @@ def _paid(rows: int) -> Values:
     return 0.5 * math.log(rows) * np.array([1.0, 2.0])
 
 
-def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.intp], least: float) -> _At:
+def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: Indices, least: float) -> _At:
     """The pool at one delay of each record."""
     rival = max(kept[0].rivals, key=lambda name: sum(part.rivals[name][0] for part in kept))
     rows = sum(one.count for one in records)

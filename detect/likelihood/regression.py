@@ -6,16 +6,11 @@
 A few steps of this climb to the largest likelihood (Lange, Little and Taylor 1989, J. Am. Stat. Assoc. 84:881).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Values
 
-__all__ = ["Lines", "lines"]
-
-Values = npt.NDArray[np.float64]
 STEPS = 8
 
 

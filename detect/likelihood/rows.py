@@ -8,19 +8,15 @@ past.  With k = 0 the controller would be inverted.  No row is asked for where P
 stale collection, or OP stands at an extreme of its own, which is a limit.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.stem.recent import blocks, recent
 from stickslip.detect.stem.stick import turns
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["LATEST_ROWS", "Rows", "past", "rows_of"]
-
-Values = npt.NDArray[np.float64]
 ROWS_A_TURN = 25.0  # rows between two turns of OP: enough for the shape of a stick's answer, few enough to look ahead
 ROWS_MIN = 400  # a record is not thinned below
 SAMPLES_MAX = 3_000  # samples that are looked at, as long as OP turns often in them
@@ -39,7 +35,7 @@ class Rows(NamedTuple):
 
     op: Values
     y: Values
-    used: npt.NDArray[np.bool_]
+    used: Mask
     travel: float
     middle: float
     q: int
@@ -90,10 +86,9 @@ def rows_of(op: Values, pv: Values) -> Rows | None:
     return Rows(op, y, used, travel, float(np.mean(op)), q, turned, max(1e-4, step / math.sqrt(12.0 * q)))
 
 
-def _runs(x: npt.NDArray[np.bool_], least: int) -> npt.NDArray[np.bool_]:
+def _runs(x: Mask, least: int) -> Mask:
     """True in the runs of at least so many True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], x.astype(np.int8), [0]])))
     found = np.zeros(len(x), dtype=np.bool_)
-    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        found[first:last] = last - first >= least
+    for first, end in zip(*runs(x), strict=True):
+        found[first:end] = end - first >= least
     return found

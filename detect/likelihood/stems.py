@@ -21,8 +21,6 @@ Source: the prediction-error likelihood of a loop is textbook (Ljung, System Ide
 are ours.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -30,15 +28,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.likelihood.regression import lines
 from stickslip.detect.likelihood.rows import LATEST_ROWS, Rows, past, rows_of
 from stickslip.detect.stem.stick import stick
 from stickslip.detect.stem.valve_models import he
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["FINER", "Gains", "Stems", "stems_of"]
-
-Values = npt.NDArray[np.float64]
 Fitted = tuple[float, Values, Values]  # score, log-likelihood of every row and coefficients
 Size = int  # S = 10^(size / FINER)
 KANO, HE = 0.0, 1.0
@@ -69,7 +64,7 @@ class Gains:
     """
 
     k: int
-    sizes: npt.NDArray[np.intp]
+    sizes: Indices
     score: Values
     sections: Values
     shape: Values
@@ -113,7 +108,7 @@ class Stems:
         return range(step * math.ceil(low), step * math.floor(high) + 1, step)
 
     @cached_property
-    def beside_moves(self) -> Stems:
+    def beside_moves(self) -> "Stems":
         """The same with OP's last moves beside every stick and rival."""
         u = self.rows.input(self.rows.op)
         last = past(np.diff(u, prepend=u[0]), 1, MOVES)[self.rows.used]

@@ -1,7 +1,5 @@
 """The evidence of dead travel in words."""
 
-from __future__ import annotations
-
 import math
 
 from stickslip.detect.likelihood.pooled import (
@@ -14,8 +12,6 @@ from stickslip.detect.likelihood.pooled import (
     WITHOUT_BEST_NATS,
     Evidence,
 )
-
-__all__ = ["hides", "said"]
 
 
 def said(e: Evidence, percent: bool) -> str:

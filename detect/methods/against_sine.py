@@ -5,13 +5,10 @@ of the two, and its interval comes from weighing the half waves anew.  As ``pool
 each half wave and ``judged`` the verdict on any number of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, folded, gather
 from stickslip.detect.pool import Pool
@@ -19,33 +16,22 @@ from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal
 from stickslip.detect.signals.bootstrap import interval
 from stickslip.detect.verdict import Draw, Verdict, Word
-
-__all__ = ["AgainstSine"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 @dataclass(frozen=True)
 class AgainstSine:
     """One such method.
 
-    card : Card
-    symbol : str
-        Of the index, in sentences.
-    threshold : float
-        Of the index [-].
-    half_waves_min : int
-        Fewest for a verdict [-].
-    signal : "OP" or "PV"
-        Whose half waves are read.
+    symbol : of the index, in sentences
+    threshold : of the index [-]
+    half_waves_min : fewest for a verdict [-]
+    signal : whose half waves are read
     errors : function of Samples
         Squared errors of the sine and of the other shape [unit^2] and the parameter of the latter, (H,) each.
-    index : function of means (..., 2)
-        The index [-] of the mean errors of sine and other shape.
-    word : function of the index and the lower end of its interval
-        The verdict, and why.
-    shape : function of phases (n,) and parameter
-        The other shape.
+    index : function of means (..., 2); the index [-] of the mean errors of sine and other shape
+    word : function of the index and the lower end of its interval; the verdict, and why
+    shape : function of phases (n,) and parameter; the other shape
     draw : the picture
     """
 
@@ -62,8 +48,7 @@ class AgainstSine:
 
     def seen(self, loop: Prepared) -> Pool | Verdict:
         """The errors and the parameter of every half wave, or why the record is refused."""
-        refusal = refused(self.card, loop, self.threshold)
-        if refusal is not None:
+        if refusal := refused(self.card, loop, self.threshold):
             return refusal
         halves = loop.half_waves(self.signal)
         t = loop.stretch.t
@@ -98,8 +83,3 @@ class AgainstSine:
         return Verdict(
             name, word, index, self.threshold, reason, interval=(low, high), evidence=evidence, draw=self.draw
         )
-
-    def detect(self, loop: Prepared) -> Verdict:
-        """The verdict on a record."""
-        found = self.seen(loop)
-        return found if isinstance(found, Verdict) else self.judged(loop, found)

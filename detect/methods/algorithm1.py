@@ -20,18 +20,14 @@ clean sine R = 1.03 at 500 samples a period, 1.31 at 50 and 1.8 at 23, while a l
 20 to 2.3 with noise of 1 % of its wave, to 1.26 with 5 % and to 0.98 with 15 %.  No threshold parts these.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.logs.arrays import Values
 
-__all__ = ["Result", "State", "init", "ratios", "update"]
-
-Values = npt.NDArray[np.float64]
 BreakMeans = Literal["next", "stop"]
 
 

@@ -29,51 +29,33 @@ ratios, whose tail is heavy; noise is smoothed without phase (``half_waves.cycle
 cycles are resampled for a 90 % interval.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves import cycles
 from stickslip.detect.half_waves.cycles import Cycles, Refusal
 from stickslip.detect.half_waves.half_cycles import SAMPLES_MIN, HalfCycle
-from stickslip.detect.half_waves.lateness import Lateness, closed_form, lag_of, lateness
+from stickslip.detect.half_waves.lateness import Lateness, lag_of, lateness
+from stickslip.detect.half_waves.lateness import closed_form as closed_form
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
-from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = [
-    "CARD", "Params", "State", "closed_form", "detect", "draw", "init", "recall", "remember", "update", "verdict",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
-NAME = "area_ratio"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Area ratio",
+    name="area_ratio", title="Area ratio",
     source="Singhal and Salsbury 2005, J. Process Control 15:371; Kvam, NTNU 2009, chapter 6",
-    signals=("SP", "PV"),
+    signals=("SP", "PV"), process=("self_regulating",),
     assumes=(
         "sustained oscillation of the loop's own making",
-        "self-regulating process, slower than a tenth of the half period",
-        "OP not at a limit",
-        "constant set point",
+        "self-regulating process, slower than a tenth of the half period", "OP not at a limit", "constant set point",
     ),
     finds="stiction, from the lateness of the peaks; neither its absence nor its amount",
-    index=(0.0, math.inf),
-    process=("self_regulating",),
-    streams="exact",
-    stream_bound=0.05,
+    index=(0.0, math.inf), streams="exact", stream_bound=0.05, cost="O(n)",
     pros=("needs no OP", "uneven sampling", "one number with a plain meaning", "cheap"),
     cons=(
         "blind on levels: their wave is a triangle, R = 1",
@@ -81,27 +63,21 @@ CARD = Card(
         "lags slower than the half period and noise give R near 1: it never clears a valve",
         "square waves (very fast processes) have no peak",
     ),
-    cost="O(n)",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Thresholds and limits.
 
-    R_stiction, R_low : float
-        R above the first in both half waves, with the interval above the second, is stiction; R below the
-        second, with the interval below the first, is near 1 [-]. Ours: the paper's tolerance is not known to us.
-    half_cycles_min : int
-        Fewest accepted half cycles for a verdict; half as many on either side of SP for an accusation.
-    usable_min : float
-        Least share of the half cycles that must be usable to decide [-].
+    R_stiction, R_low : R above the first in both half waves, with the interval above the second, is stiction; R below
+        the second, with the interval below the first, is near 1 [-]. Ours: the paper's tolerance is not known to us.
+    half_cycles_min : fewest accepted half cycles for a verdict; half as many on either side of SP for an accusation
+    usable_min : least share of the half cycles that must be usable to decide [-]
     resamples, seed, coverage :
         Bootstrap of the half cycles for the interval of R.
-    block, half_cycles_max : int
-        Streaming: samples held, and half cycles remembered.
-    cycles : cycles.Params
-        Drift, noise and the oscillation gate.
+    block, half_cycles_max : streaming: samples held, and half cycles remembered
+    cycles : cycles.Params; drift, noise and the oscillation gate
     """
 
     R_stiction: float = 1.25
@@ -113,7 +89,7 @@ class Params:
     coverage: float = 0.90
     block: int = 2048
     half_cycles_max: int = 400
-    cycles: cycles.Params = field(default_factory=cycles.Params)
+    cycles: "cycles.Params" = field(default_factory=cycles.Params)
 
     def __post_init__(self) -> None:
         if not 1 < self.R_low < self.R_stiction:
@@ -137,7 +113,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 
 def _refuse(code: Code, reason: str, p: Params) -> Verdict:
-    return Verdict.not_applicable(NAME, code, reason, threshold=p.R_stiction)
+    return Verdict.not_applicable(CARD.name, code, reason, threshold=p.R_stiction)
 
 
 def _survey(loop: Prepared, p: Params) -> Cycles | Verdict:
@@ -171,11 +147,8 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     late = lateness(used, p.resamples, p.seed, p.coverage)
     logs = [math.log(half.area_before / half.area_after) for half in used]
     evidence |= {
-        "R": late.R,
-        "R_median": math.exp(percentile(np.array(logs), 50.0)),
-        "low": late.low,
-        "high": late.high,
-    }
+        "R": late.R, "R_median": math.exp(percentile(np.array(logs), 50.0)), "low": late.low, "high": late.high,
+    }  # fmt: skip
     evidence |= {f"R_{side}": of.R for side, of in late.sides.items()}
     triangular = sum(half.triangle_misfit for half in used) < sum(half.sine_misfit for half in used)
     word, why = _word(late, seen, triangular, p)
@@ -184,7 +157,7 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     of_side = "".join(f", {of.R:.2f} while PV is {side} {seen.centre}" for side, of in late.sides.items())
     reason = f"R = {late.R:.2f} (90 % interval {late.low:.2f} to {late.high:.2f}{of_side}): {why} ({found}{tail})."
     interval = (late.low, late.high)
-    return Verdict(NAME, word, late.R, p.R_stiction, reason, interval=interval, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, late.R, p.R_stiction, reason, interval=interval, evidence=evidence, draw=draw)
 
 
 def _too_few(
@@ -197,26 +170,22 @@ def _too_few(
             f"The half cycles are flat-topped ({faults.count('flat')} of {len(faults)}; {found}): a square wave has "
             f"no peak to divide it, so R is undefined. PV-OP methods can judge such a fast loop{tail}."
         )
-        return Verdict(NAME, "inconclusive", None, p.R_stiction, reason, evidence=evidence, draw=draw)
+        return Verdict(CARD.name, "inconclusive", None, p.R_stiction, reason, evidence=evidence, draw=draw)
     if worst == "short" and faults.count("short") >= p.half_cycles_min:
         reason = (
             f"{faults.count('short')} of {len(faults)} half cycles have fewer than {SAMPLES_MIN} samples "
             f"({found}, one sample each {seen.dt:.3g} s); log faster{tail}."
         )
-        return Verdict.not_applicable(NAME, "undersampled", reason, p.R_stiction, evidence, draw)
+        return Verdict.not_applicable(CARD.name, "undersampled", reason, p.R_stiction, evidence, draw)
     why = f", most often refused: {_FAULTS[worst]}" if worst else ""
     reason = f"Too few half cycles: {found}, {p.half_cycles_min} are needed{why}{tail}."
-    return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.R_stiction, evidence, draw)
+    return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.R_stiction, evidence, draw)
 
 
 _FAULTS = {
-    "short": "too few samples",
-    "flat": "flat top",
-    "two_peaks": "two separate peaks",
-    "length": "length far from half a period",
-    "low": "too low",
-    "gap": "the peak falls into a gap",
-}
+    "short": "too few samples", "flat": "flat top", "two_peaks": "two separate peaks",
+    "length": "length far from half a period", "low": "too low", "gap": "the peak falls into a gap",
+}  # fmt: skip
 
 
 def _word(late: Lateness, seen: Cycles, triangular: bool, p: Params) -> tuple[Word, str]:
@@ -267,18 +236,14 @@ def _near_one(high: float, half_period: float, triangular: bool) -> str:
 
 def _evidence(half_cycles: tuple[HalfCycle, ...], seen: Cycles) -> dict[str, Values | float]:
     return {
-        "t": seen.t,
-        "e": seen.e,
-        "start": np.array([half.start for half in half_cycles]),
+        "t": seen.t, "e": seen.e, "start": np.array([half.start for half in half_cycles]),
         "peak_time": np.array([half.peak_time for half in half_cycles]),
-        "end": np.array([half.end for half in half_cycles]),
-        "peak": np.array([half.peak for half in half_cycles]),
+        "end": np.array([half.end for half in half_cycles]), "peak": np.array([half.peak for half in half_cycles]),
         "area_before": np.array([half.area_before for half in half_cycles]),
         "area_after": np.array([half.area_after for half in half_cycles]),
-        "used": np.array([float(not half.fault) for half in half_cycles]),
-        "period": seen.period,
+        "used": np.array([float(not half.fault) for half in half_cycles]), "period": seen.period,
         "regularity": seen.regularity,
-    }
+    }  # fmt: skip
 
 
 # ---- streaming twin ----------------------------------------------------------------------------------------

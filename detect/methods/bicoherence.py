@@ -31,81 +31,55 @@ Blind on symmetric waves, whose even harmonics vanish: nothing is cleared. Not f
 outside wave that is no sine (a saw) is as non-linear as a valve, and its ellipse as wide.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.surrogates import end_matched, phase_randomised
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.stem.recent import blocks
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Bicoherence", "Ellipse", "Params", "bicoherence", "clusters", "detect", "draw", "ellipse"]
-
-Values = npt.NDArray[np.float64]
-NAME = "bicoherence"
 LENGTH, POINTS = 64, 128  # of a segment and of its DFT, as in the paper
 CHI2 = 5.991464547107979  # 95 % of chi squared with two degrees of freedom
 
 CARD = Card(
-    name=NAME,
-    title="Bicoherence and PV-OP ellipse",
+    name="bicoherence", title="Bicoherence and PV-OP ellipse",
     source="Choudhury, Shah and Thornhill 2004, Automatica 40:1719; 2006, Control Eng. Practice 14:1395",
-    signals=("SP", "PV", "OP"),
+    signals=("SP", "PV", "OP"), process=("self_regulating",),
     assumes=(
-        "locally linear process",
-        "no non-linear disturbance",
-        "constant set point",
-        "a wave that is not symmetric",
+        "locally linear process", "no non-linear disturbance", "constant set point", "a wave that is not symmetric",
     ),
     finds="whether the loop is non-linear (NLI), and the apparent stiction [% of OP]",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n) for 1000 pairs of frequencies, 40 times", experimental=True,
     stream_note="The spectra are averages over segments of one record, whose length follows from its period.",
     pros=(
-        "separates a linear loop from a non-linear one",
-        "sizes what it finds",
+        "separates a linear loop from a non-linear one", "sizes what it finds",
         "calibrated on the record's own spectrum",
     ),
     cons=("long records", "blind on symmetric waves", "any non-linearity counts", "the size is apparent"),
-    cost="O(n) for 1000 pairs of frequencies, 40 times",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "raw_pv", "fine_pv"),
-    cycles=12.0,
-    samples=(10.0, math.inf),
-)
+    cycles=12.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings; where no paper is named they are ours.
 
-    ngi_min, nli_min : float
-        Limits of the paper [-], beside those of the twins.
-    twins : int
-        Linear twins of the record.
-    level : float
-        Share of the twins that must lie below.
-    per_period, samples : int
-        Most samples of a period (of the paper: two periods must fit into a segment) and of the record.
-    segments : int
-        Fewest segments.
-    amount_min : float
-        Least apparent stiction [% of OP].
-    noise_min : float
-        Least apparent stiction in standard deviations of the noise on OP.
-    fit_min : float
-        Least fit of the ellipse [-]; below it the clusters are taken.
+    ngi_min, nli_min : limits of the paper [-], beside those of the twins
+    twins : linear twins of the record
+    level : share of the twins that must lie below
+    per_period, samples : most samples of a period (of the paper: two periods must fit into a segment) and of the record
+    segments : fewest segments
+    amount_min : least apparent stiction [% of OP]
+    noise_min : least apparent stiction in standard deviations of the noise on OP
+    fit_min : least fit of the ellipse [-]; below it the clusters are taken
     """
 
     ngi_min: float = 0.001
@@ -151,12 +125,6 @@ class Ellipse(NamedTuple):
         return 2.0 * self.m * self.n / math.hypot(self.m * math.sin(self.angle), self.n * math.cos(self.angle))
 
 
-def _triangle() -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    i, j = np.meshgrid(np.arange(1, POINTS // 2), np.arange(1, POINTS // 2), indexing="ij")
-    inside = (j <= i) & (i + j < POINTS // 2)
-    return i[inside], j[inside]
-
-
 def bicoherence(x: Values) -> Bicoherence:
     """The bicoherence of x (n,), n at least one segment.
 
@@ -172,7 +140,8 @@ def bicoherence(x: Values) -> Bicoherence:
     parts = np.lib.stride_tricks.sliding_window_view(x, LENGTH)[:: LENGTH // 2]
     parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(LENGTH)
     lines = np.fft.rfft(parts, POINTS, axis=1)
-    i, j = _triangle()
+    i, j = np.meshgrid(np.arange(1, POINTS // 2), np.arange(1, POINTS // 2), indexing="ij")
+    i, j = (each[(j <= i) & (i + j < POINTS // 2)] for each in (i, j))
     pair, both = lines[:, i] * lines[:, j], lines[:, i + j]
     power = np.mean(np.abs(pair) ** 2, axis=0) * np.mean(np.abs(both) ** 2, axis=0)
     squared = np.abs(np.mean(pair * both.conj(), axis=0)) ** 2 / (power + np.percentile(power, 75.0) + 1e-300)
@@ -253,18 +222,17 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'inconclusive'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.nli_min)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.nli_min):
         return refusal
     each = max(1, math.ceil(loop.samples_per_period / p.per_period))
-    e, op, pv = (_means(loop.signal(name), each, p.samples) for name in ("E", "OP", "PV"))
+    e, op, pv = (blocks(loop.signal(name)[: each * p.samples], each) for name in ("E", "OP", "PV"))
     period = loop.samples_per_period / each
     part = end_matched(e, period)
     x = e[part]
     segments = max(len(x) - LENGTH, 0) // (LENGTH // 2) + 1
     if segments < p.segments:
         return Verdict.not_applicable(
-            NAME, "too_few_cycles",
+            CARD.name, "too_few_cycles",
             f"At {period:.0f} samples a period the record makes {segments} segments of {LENGTH} samples; "
             f"{p.segments} are needed, {(p.segments + 1) * LENGTH / 2 / period + 3:.0f} cycles.", p.nli_min,
         )  # fmt: skip
@@ -278,9 +246,11 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "twins": np.array([twin.nli for twin in twins]),
     }  # fmt: skip
 
-    def say(word: str, why: str, amount: float | None = None) -> Verdict:
+    def say(word: Word, why: str, amount: float | None = None) -> Verdict:
         reason = f"{numbers}: {why}."
-        return Verdict(NAME, word, found.nli, nli_limit, reason, amount_percent_op=amount, evidence=evidence, draw=draw)  # type: ignore[arg-type]
+        return Verdict(
+            CARD.name, word, found.nli, nli_limit, reason, amount_percent_op=amount, evidence=evidence, draw=draw
+        )
 
     if found.ngi <= ngi_limit or found.nli <= nli_limit:
         kind = "no more than a linear loop with these lines" if found.ngi <= ngi_limit else "not Gaussian, but linear"
@@ -291,8 +261,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     width, how = _width(op, pv, p.fit_min)
     evidence |= {"op": op, "pv": pv, "width": width}
     percent = loop.op_percent(width)
-    unit = "in the unit of OP" if percent is None else "% of OP"
-    size = f"the {how} of the PV-OP curve is {width if percent is None else percent:.2g} {unit} wide"
+    scale, unit = loop.op_unit
+    size = f"the {how} of the PV-OP curve is {scale * width:.2g} {unit} wide"
     least = max(p.noise_min * loop.noise("OP"), 0.1 * float(np.ptp(op)))
     if width < least or (percent is not None and percent < p.amount_min):
         return say("inconclusive", f"non-linear, but {size}, which is no stiction: look at process and sensor")
@@ -330,11 +300,6 @@ def _most_regular(x: Values, period: float, cycles: float = 8.0) -> slice:
     alike = [float(np.corrcoef(x[a : a + length], x[a + shift : a + shift + length])[0, 1]) for a in starts]
     best = starts[int(np.argmax(alike))]
     return slice(best, best + length)
-
-
-def _means(x: Values, each: int, most: int) -> Values:
-    n = min(len(x) // each, most)
-    return np.asarray(x[: n * each].reshape(n, each).mean(axis=1))
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

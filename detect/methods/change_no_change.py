@@ -16,48 +16,34 @@ some 10 % of S off the travel where y is the stem; a lag of PV eats the beginnin
 Not for slow processes without MV, long dead time, or PV on a coarse grid.  Cost: about 5 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
-from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.pool import Pool, of_record, pooled
+from stickslip.detect.prepare.preconditions import refused, too_short
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.detect.stem.play import travel_of
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Stuck", "detect", "draw", "recall", "remember", "stuck"]
-
-Values = npt.NDArray[np.float64]
-NAME = "change_no_change"
+from stickslip.logs.arrays import Indices, Values
 
 CARD = Card(
-    name=NAME,
-    title="Change and no change",
+    name="change_no_change", title="Change and no change",
     source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
-    signals=("OP", "MV", "PV"),
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "short dead time"),
     finds="stiction, from the time that the stem stands while OP travels; the travel in % of OP",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("simple", "no oscillation needed", "gives the travel"),
     cons=("limits belong to each loop", "the travel is less than S", "noise hides it", "slow processes without MV"),
-    experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -81,8 +67,8 @@ class Stuck(NamedTuple):
     """rho [-], first and last sample of the intervals that count (r,), OP travel over each (r,), eps [unit of y]."""
 
     rho: float
-    first: npt.NDArray[np.intp]
-    last: npt.NDArray[np.intp]
+    first: Indices
+    last: Indices
     travel: Values
     eps: float
 
@@ -102,8 +88,8 @@ def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = 
     swing = float(np.percentile(smooth, 99) - np.percentile(smooth, 1))
     eps = max(p.noise * sigma * np.sqrt(2.0 / k), p.floor * swing)
     quiet = np.concatenate([np.zeros(k, dtype=bool), np.abs(smooth[k:] - smooth[:-k]) < eps])
-    edges = np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]]))
-    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    first, end = runs(quiet)
+    last = end - 1
     keep, travel = [], []
     for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
         a = max(a - k, 0)
@@ -118,12 +104,10 @@ def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
-def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, npt.NDArray[np.intp]]:
+def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, Indices]:
     """The intervals of a window, the k of its differences, and the samples at which OP turns."""
     grid = loop.whole
     at, turn = turn_time(grid.op, loop.period / grid.dt)
@@ -133,13 +117,9 @@ def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, npt.NDArray[np.intp]]:
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The intervals (samples and travel of OP over each) and the turns of OP (no samples, no travel)."""
-    refusal = refused(CARD, loop, p.rho_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rho_stiction) or too_short(CARD, loop.whole, p.samples, p.rho_stiction):
         return refusal
     grid = loop.whole
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.rho_stiction)
     found, k, turns = _look(p, loop)
     at = np.concatenate([0.5 * (grid.t[found.first] + grid.t[found.last]), grid.t[turns]])
     rows = np.zeros((len(at), 2))
@@ -176,7 +156,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         mean = float(np.mean(travel))
         for key, value in (("S_low", mean - half), ("S_high", mean + half)):
             evidence[key] = loop.op_percent(value) or value
-    return Verdict(NAME, word, rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=800)
@@ -184,23 +164,8 @@ remember, recall = pooled(_seen, _judged, most=800)
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time, with the intervals that count shaded."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_stands
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
-    top, low = figure.subplots(2, 1, sharex=True)
-    shown = slice(0, 800)
-    t = v.array("t")[shown]
-    top.plot(t, v.array("u")[shown], color=INK)
-    top.set_ylabel("OP")
-    low.plot(t, v.array("y")[shown], color=INK)
-    low.set_ylabel("MV" if v.array("mv")[0] else "PV")
-    for a, b in zip(v.array("first"), v.array("last"), strict=True):
-        if a < t[-1]:
-            for axes in (top, low):
-                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
-    low.set_xlabel("time [s]")
-    for axes in (top, low):
-        tidy(axes)
+    signals = {"OP": v.array("u")[:800], "MV" if v.array("mv")[0] else "PV": v.array("y")[:800]}
+    stands = np.column_stack([v.array("first"), v.array("last")]).tolist()
+    draw_stands(figure.subplots(2, 1, sharex=True), v.array("t")[:800], signals, stands)

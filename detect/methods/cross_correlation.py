@@ -20,51 +20,32 @@ An outside wave makes the same quarter of a period wherever the controller's int
 self-regulating loops under an outside sine or square 28 were called sticky, as the paper warns for squares.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = [
-    "CARD", "Params", "Symmetry", "correlation", "detect", "draw", "of_correlation", "recall", "remember", "symmetry",
-]  # fmt: skip
-
-Values = npt.NDArray[np.float64]
-NAME = "cross_correlation"
 LAGS: Values = np.linspace(-1.0, 1.0, 401)  # of the period, at which r is kept
 
 CARD = Card(
-    name=NAME,
-    title="Cross-correlation",
-    source="Horch 1999, Control Eng. Practice 7:1221",
-    signals=("OP", "PV"),
+    name="cross_correlation", title="Cross-correlation", source="Horch 1999, Control Eng. Practice 7:1221",
+    signals=("OP", "PV"), process=("self_regulating",),
     assumes=("self-regulating process", "PI controller", "one period, of the loop's own making", "constant set point"),
     finds="stiction against outside sines and tight tuning, from the phase between OP and PV; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n log n)", experimental=True,
     pros=("routine data only", "shrugs off noise", "no shape needed"),
     cons=("blind on levels", "turned by dead time and strong P or D action", "outside waves that are no sines"),
-    cost="O(n log n)",
-    experimental=True,
     needs=("oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_pv"),
-    cycles=5.0,
-    samples=(10.0, math.inf),
-)
+    cycles=5.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -145,15 +126,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(quarter).verdict, detect(quarter).index > 0.95
     ('stiction', True)
     """
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """r at ``LAGS`` of the period, once for the stretch, and its length [s]."""
-    refusal = refused(CARD, loop, p.tau_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.tau_stiction):
         return refusal
     t, period = loop.stretch.t, loop.samples_per_period
     r = correlation(loop.wave("OP"), loop.wave("PV"), period)
@@ -168,7 +146,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     found = of_correlation(r)
     if found is None:
         reason = "The cross-correlation of OP and PV does not cross zero within a period: they do not swing together."
-        return Verdict(NAME, "inconclusive", None, p.tau_stiction, reason)
+        return Verdict(CARD.name, "inconclusive", None, p.tau_stiction, reason)
     word, why = _word(found, p)
     reason = f"d_tau = {found.d_tau:.2f}, d_rho = {found.d_rho:.2f}: {why} (period {loop.period:.4g} s)."
     step = loop.period * float(LAGS[1] - LAGS[0])
@@ -176,7 +154,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "lag": loop.period * LAGS, "r": found.r, "tau_l": step * found.tau_l, "tau_r": step * found.tau_r,
         "d_tau": found.d_tau, "d_rho": found.d_rho,
     }  # fmt: skip
-    return Verdict(NAME, word, found.d_tau, p.tau_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.d_tau, p.tau_stiction, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged)
@@ -191,10 +169,7 @@ def _word(found: Symmetry, p: Params) -> tuple[Word, str]:
         return "inconclusive", f"they contradict each other (d_rho of sines would be {expected:.2f}), as several or "\
                                "drifting waves do"  # fmt: skip
     if found.d_tau > p.tau_stiction:
-        return (
-            "stiction",
-            "OP and PV are about a quarter of a period apart, as stiction under PI control makes them",
-        )
+        return "stiction", "OP and PV are about a quarter of a period apart, as stiction under PI control makes them"
     if found.d_tau < p.tau_none:
         return "inconclusive", (
             "OP and PV are about half a period or none apart, as an outside wave or tight tuning makes them; a sticky "
@@ -205,19 +180,14 @@ def _word(found: Symmetry, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """r over the lag, with the crossings on either side of zero."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("r")):
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     ax.axhline(0.0, color=SOFT, lw=0.8)
     ax.axvline(0.0, color=SOFT, lw=0.8)
     ax.plot(v.array("lag"), v.array("r"), color=INK)
     for name, sign in (("tau_l", -1.0), ("tau_r", 1.0)):
         ax.plot(sign * v.array(name), [0.0], "o", color=INK)
-    ax.set_xlabel("lag of PV behind OP [s]")
-    ax.set_ylabel("cross-correlation r [-]")
     ax.set_title(f"d_tau = {v.array('d_tau')[0]:.2f}: 1 is odd (valve), 0 is even (others)", loc="left")
-    tidy(ax)
+    finish(ax, "lag of PV behind OP [s]", "cross-correlation r [-]")

@@ -19,50 +19,32 @@ as lines.  A dead loop is still accused at times: the controller makes OP from P
 Measured on the prepared record: 1.5 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, free_triangle, sine
 from stickslip.detect.methods.against_sine import AgainstSine
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.prepare.prepared import Prepared, Signal
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
-NAME = "curve_fit"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Curve fit",
-    source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
-    signals=("OP", "PV"),
+    name="curve_fit", title="Curve fit", source="He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res. 46:4549",
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
     finds="whether a square wave of the valve is behind the signal after the first integrator; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n)", experimental=True,
     pros=("levels too", "waves with a late apex", "each half wave by itself, so the period may drift"),
     cons=("the kind of process must be known", "outside squares and triangles look the same", "rounded by dead time"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_op", "follows"),
-    cycles=3.0,
-    samples=(12.0, math.inf),
-)
+    cycles=3.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -115,8 +97,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict, detect(loop).index > 0.8
     ('stiction', True)
     """
-    loop = prepared(record)
-    return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).detect(loop)
+    return of_record(p, record, _seen, _judged)
 
 
 def _frame(p: Params, loop: Prepared) -> AgainstSine:
@@ -137,14 +118,17 @@ def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).seen(loop)
 
 
-remember, recall = pooled(_seen, lambda p, loop, pool: _frame(p, loop).judged(loop, pool))
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    return _frame(p, loop).judged(loop, pool)
+
+
+remember, recall = pooled(_seen, _judged)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
     if index >= p.SI_stiction and low > 0.5:
-        return (
-            "stiction",
-            "the half waves are triangles, as an integrator makes them of the square wave of a stuck valve",
+        return "stiction", (
+            "the half waves are triangles, as an integrator makes them of the square wave of a stuck valve"
         )
     if index <= p.SI_sine:
         return "inconclusive", (

@@ -18,48 +18,34 @@ of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.2 s for 75
 record the last part.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.detect.likelihood.words import said
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import Log, LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw"]
-
-Values = npt.NDArray[np.float64]
-NAME = "dead_travel"
 SHOWN = 8.0  # turns of OP in the picture
 
 CARD = Card(
-    name=NAME,
-    title="Dead travel by likelihood",
+    name="dead_travel", title="Dead travel by likelihood",
     source="ours; likelihood as in Ljung 1999, System Identification",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("PV answers OP one sample late or more", "linear process in the range seen, but for the rivals"),
     finds="dead travel S with its interval, a jump where it gains, or the S that is excluded; in nats",
-    index=(-math.inf, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(-math.inf, math.inf), streams="window", cost="O(n) for each of some 100 stems",
     stream_note="The likelihood starts the stem anew for every S that it tries, so it needs the samples themselves.",
     pros=("no oscillation needed", "set point may move", "exact in closed loop", "adds up over days"),
     cons=("play looks like stick", "no answer where PV is drawn by a historian"),
-    cost="O(n) for each of some 100 stems",
     needs=("raw_pv", "raw_op"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -74,13 +60,12 @@ class Params:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """Return the verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.gain)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.gain):
         return refusal
     found = loop.dead_travel
     if found is None or loop.stems is None:
         reason = "Too few samples are left in which PV and OP move: 100 rows are needed to weigh a stem."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.gain)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.gain)
     percent = loop.op_percent(1.0) is not None
     word: Word = "stiction" if found.accuses else "no_stiction" if found.clears else "inconclusive"
     if word == "stiction" and found.gain < p.gain:
@@ -99,20 +84,24 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         evidence["start"] = loop.record.log.start.replace(tzinfo=UTC).timestamp()
     amount = found.S if percent and word == "stiction" else None
     return Verdict(
-        NAME, word, found.gain, p.gain, said(found, percent), amount_percent_op=amount, evidence=evidence, draw=draw
+        CARD.name,
+        word,
+        found.gain,
+        p.gain,
+        said(found, percent),
+        amount_percent_op=amount,
+        evidence=evidence,
+        draw=draw,
     )
 
 
 def draw(verdict: Verdict, figure: FigureBase) -> None:
     """OP with the likeliest stem, the gain of every S, and what each tenth of the record adds to it."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT
     from stickslip.logs.time_axis import TimeAxis
 
-    if not len(verdict.array("u")):
-        draw_reason(verdict.reason, figure)
-        return
     e = {name: float(value) for name, value in verdict.evidence.items() if np.ndim(value) == 0}
     left, middle, right = figure.subplots(1, 3, width_ratios=[2.0, 1.2, 1.0])
     unit = "% of OP" if e["percent"] else "unit of OP"
@@ -123,9 +112,6 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     left.plot(axis.at(t), verdict.array("u")[last], color=SOFT, label="OP")
     left.plot(axis.at(t), verdict.array("x")[last], color=COLOURS["MV"], label="likeliest stem that sticks")
     axis.finish(left, float(t[0]), float(t[-1]))
-    left.set_ylabel(f"OP [{unit.removesuffix(' of OP')}]")
-    left.set_title(f"S = {e['S']:.2g}, J = {e['J']:.2g} {unit}", fontsize=9, loc="left")
-    legend(left)
     middle.axvspan(e["S_low"], e["S_high"], color=SHADE, lw=0)
     middle.axhline(0.0, color=PALE, lw=0.8)
     middle.axhline(GAIN_NATS, color=PALE, lw=0.8, ls=":")
@@ -134,13 +120,10 @@ def draw(verdict: Verdict, figure: FigureBase) -> None:
     middle.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     middle.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     middle.xaxis.set_minor_formatter(NullFormatter())
-    middle.set_xlabel(f"S [{unit}]")
-    middle.set_title("gain over the best rival [nats]", fontsize=9, loc="left")
     tenths = verdict.array("tenths")
     right.bar(np.arange(1, len(tenths) + 1), tenths, color=[INK if value > 0.0 else PALE for value in tenths])
     right.axhline(0.0, color=PALE, lw=0.8)
     right.set_xticks(range(2, 11, 2))
-    right.set_xlabel("tenth of the record")
-    right.set_title("where it is gained [nats]", fontsize=9, loc="left")
-    for axes in (left, middle, right):
-        tidy(axes)
+    finish(left, "", f"OP [{unit.removesuffix(' of OP')}]", f"S = {e['S']:.2g}, J = {e['J']:.2g} {unit}", named=True)
+    finish(middle, f"S [{unit}]", "", "gain over the best rival [nats]")
+    finish(right, "tenth of the record", "", "where it is gained [nats]")

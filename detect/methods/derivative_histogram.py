@@ -25,56 +25,38 @@ wave.  The wrong kind of process gives the wrong answer. Measured on the prepare
 20 ms once for the fits.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.signals.smoothing import moving_average
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Humps", "Params", "bell_or_humps", "detect", "draw", "fitted", "noise_share", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
-NAME = "derivative_histogram"
 EDGES: Values = np.linspace(-4.0, 4.0, 41)  # in standard deviations of the derivative
 
 CARD = Card(
-    name=NAME,
-    title="Histogram of the derivative",
+    name="derivative_histogram", title="Histogram of the derivative",
     source="Horch, PhD thesis, KTH 2000; Horch 2006, IFAC ADCHEM",
-    signals=("PV",),
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "little noise", "constant set point"),
     finds="whether PV (level: its rate) jumps and stays, as behind a sticky valve, or swings like a sine; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, cost="O(n)", experimental=True,
     pros=("needs no OP", "levels too", "no crossings needed"),
     cons=(
-        "hangs on its filter",
-        "waves that swell and fade look like stiction",
-        "the kind of process must be known",
+        "hangs on its filter", "waves that swell and fade look like stiction", "the kind of process must be known",
         "outside squares look the same",
     ),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv"),
-    cycles=5.0,
-    samples=(12.0, math.inf),
-)
+    cycles=5.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -150,15 +132,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict
     'stiction'
     """
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """How many values of the derivative fall into each bin, and the share of noise, for each period."""
-    refusal = refused(CARD, loop, p.q_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.q_stiction):
         return refusal
     x, t = loop.wave("PV", p.cut), loop.stretch.t
     order = _order(loop)
@@ -195,7 +174,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "x": 0.5 * (EDGES[1:] + EDGES[:-1]), "density": found.density, "bell": found.bell, "humps": found.humps,
         "A": found.amplitude, "s": found.noise, "order": float(order), "noise_share": share,
     }  # fmt: skip
-    return Verdict(NAME, word, found.q, p.q_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.q, p.q_stiction, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=100)
@@ -215,9 +194,8 @@ def noise_share(loop: Prepared, cut: float, order: int, variance: float) -> floa
 
 def _word(found: Humps, share: float, p: Params) -> tuple[Word, str]:
     if share > p.noise_max:
-        return (
-            "inconclusive",
-            f"noise makes {share:.0%} of its variance ({p.noise_max:.0%} allowed), and noise is a bell",
+        return "inconclusive", (
+            f"noise makes {share:.0%} of its variance ({p.noise_max:.0%} allowed), and noise is a bell"
         )
     if found.q > p.q_stiction:
         return "stiction", "a bell fits it better than two humps, as where PV jumps and stays"
@@ -232,19 +210,12 @@ def _word(found: Humps, share: float, p: Params) -> tuple[Word, str]:
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The histogram with the bell and the two humps."""
     from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "density" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     x = v.array("x")
     ax.bar(x, v.array("density"), width=x[1] - x[0], color=WAVE)
     ax.plot(x, v.array("bell"), color=OTHER, lw=1.6, label="bell")
     ax.plot(x, v.array("humps"), color=SINE, lw=1.6, ls="--", label="humps of a sine")
-    ax.set_xlabel(f"derivative {v.array('order')[0]:.0f} of PV [standard deviations]")
-    ax.set_ylabel("density [-]")
-    ax.set_title("values of the derivative", fontsize=9, loc="left")
-    legend(ax)
-    tidy(ax)
+    below = f"derivative {v.array('order')[0]:.0f} of PV [standard deviations]"
+    finish(ax, below, "density [-]", "values of the derivative", named=True)

@@ -19,12 +19,9 @@ Not where dead time rounds all shapes: then the cycles are sines, which clears n
 record: 5 to 10 ms for 7,200 samples (at most 40 cycles are read).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -32,53 +29,36 @@ from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import CUT, Prepared, Signal, prepared
 from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "distances", "draw", "named", "templates"]
-
-Values = npt.NDArray[np.float64]
-NAME = "dtw_shapes"
 POINTS = 64
 
 CARD = Card(
-    name=NAME,
-    title="Templates by time warping",
+    name="dtw_shapes", title="Templates by time warping",
     source="Srinivasan, Rengaswamy and Miller 2005, Ind. Eng. Chem. Res. 44:6708",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "constant set point"),
     finds="whether OP is triangular while PV is square (level: PV triangular), cycle by cycle; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(cycles templates 64 6)", experimental=True,
     stream_note="Every cycle is scaled by the period of the record before it is compared.",
     pros=("every cycle by itself", "small wobbles of the period do not matter", "names the shape"),
     cons=("the kind of process must be known", "noise above 30 % of the wave", "few templates"),
-    cost="O(cycles templates 64 6)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=5.0,
-    samples=(20.0, math.inf),
-)
+    cycles=5.0, samples=(20.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Limits, all ours.
 
-    band : int
-        How far time may be warped [points of 64]: 3 is 5 %.
-    margin : float
-        How much nearer than the sine a template must be [share of the distance to the sine].
-    cycles_stiction : float
-        Share of the cycles that must have the shape [-].
-    cycles_min, cycles_max : int
-        Fewest and most cycles read.
-    noise_wanted : float
-        Neighbouring cycles are averaged towards this noise [standard deviations of the wave].
+    band : how far time may be warped [points of 64]: 3 is 5 %
+    margin : how much nearer than the sine a template must be [share of the distance to the sine]
+    cycles_stiction : share of the cycles that must have the shape [-]
+    cycles_min, cycles_max : fewest and most cycles read
+    noise_wanted : neighbouring cycles are averaged towards this noise [standard deviations of the wave]
     """
 
     band: int = 3
@@ -139,7 +119,7 @@ def distances(x: Values, y: Values, band: int = 3) -> Values:
     return np.asarray(last[band] / (2.0 * n))
 
 
-def named(cycles: Values, p: Params) -> tuple[npt.NDArray[np.str_], npt.NDArray[np.intp]]:
+def named(cycles: Values, p: Params) -> tuple[npt.NDArray[np.str_], Indices]:
     """The name of each cycle (c, 64) and the number of its nearest template, both (c,)."""
     names, shapes = templates()
     centred = cycles - cycles.mean(axis=1, keepdims=True)
@@ -160,8 +140,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 1.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.cycles_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.cycles_stiction):
         return refusal
     found: dict[str, Values] = {}
     signals: tuple[Signal, ...] = ("OP", "PV")
@@ -169,7 +148,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         cycles = whole_cycles(loop, signal, POINTS, cut_at=CUT, even_halves=True)
         if len(cycles.y) < p.cycles_min:
             reason = f"{len(cycles.y)} cycles of {signal} are whole; {p.cycles_min} are needed."
-            return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.cycles_stiction)
+            return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.cycles_stiction)
         means = averaged(cycles, p.noise_wanted, p.cycles_min).y
         found[signal] = means[:: -(-len(means) // p.cycles_max)]
     names, best = named(np.concatenate([found["OP"], found["PV"]]), p)
@@ -185,7 +164,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     word, why = _word(index, pv["sine"] if level else min(op["sine"], pv["sine"]), level, p)
     parts = [f"{signal} is {_listed(share)}" for signal, share in shares.items()]
     reason = f"{' and '.join(parts)} of the cycles (period {loop.period:.4g} s): {why}."
-    return Verdict(NAME, word, index, p.cycles_stiction, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.cycles_stiction, reason, evidence=evidence, draw=draw)
 
 
 def _listed(shares: dict[str, float]) -> str:
@@ -207,19 +186,11 @@ def _word(index: float, sines: float, level: bool, p: Params) -> tuple[Word, str
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The cycles of OP and PV with the template that most of them are nearest to."""
     from stickslip.detect.figures.half_waves import OTHER, WAVE
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "phase" not in v.evidence or "PV cycles" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     names, shapes = templates()
     for ax, signal in zip(figure.subplots(1, 2, sharey=True), ("OP", "PV"), strict=True):
         k = int(v.array(f"{signal} template")[0])
         ax.plot(v.array("phase"), v.array(f"{signal} cycles").T, color=WAVE, lw=0.6)
         ax.plot(v.array("phase"), shapes[k], color=OTHER, lw=1.6, label=names[k])
-        ax.set_xlabel("phase of the cycle [-]")
-        ax.set_ylabel(f"{signal} [standard deviations]")
-        ax.set_title(f"cycles of {signal}", fontsize=9, loc="left")
-        legend(ax)
-        tidy(ax)
+        finish(ax, "phase of the cycle [-]", f"{signal} [standard deviations]", f"cycles of {signal}", named=True)

@@ -25,15 +25,12 @@ by the same lines in both forms, so that they differ by rounding only.  The batc
 oscillation besides.  Measured: 6 ms for 7,200 samples and 120 half waves; 5 us per sample when streaming.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import starmap
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
@@ -41,55 +38,35 @@ from stickslip.detect.signals.bootstrap import interval
 from stickslip.detect.signals.crossings import crossings
 from stickslip.detect.signals.order import percentile
 from stickslip.detect.stream import Buffer, LoopFacts, Sample
-from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.detect.verdict import Code, FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "HalfWave", "Params", "State", "detect", "draw", "init", "measure", "update", "verdict"]
-
-Values = npt.NDArray[np.float64]
-NAME = "hagglund2011"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Hagglund shape index",
+    name="hagglund2011", title="Hagglund shape index",
     source="Hagglund 2011, Control Eng. Practice 19:782; backlash 2007, J. Process Control 17:489",
-    signals=("SP", "PV"),
+    signals=("SP", "PV"), process=("self_regulating",),
     assumes=("sustained oscillation of the loop's own making", "process fast against the half period", "constant SP"),
     finds="whether PV is square, as a sticky valve makes it in a fast loop; a dead band where the controller is known",
-    index=(-1.0, 1.0),
-    process=("self_regulating",),
-    streams="exact",
+    index=(-1.0, 1.0), streams="exact", cost="O(1) per sample", experimental=True,
     pros=("runs in the controller", "no period needed", "a few kB of memory"),
     cons=("misses slow processes", "the dead band is at most S - J / 2", "noise", "an outside square looks the same"),
-    cost="O(1) per sample",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "fine_pv"),
-    cycles=5.0,
-    samples=(16.0, math.inf),
-)
+    cycles=5.0, samples=(16.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Limits and, where known, the controller.
 
-    I_stiction : float
-        Index above which the half waves are square [-].
-    half_waves_min, half_waves_max : int
-        Fewest for a verdict (n_lim of Hagglund 1995), and how many are remembered.
-    band : float
-        Hysteresis of the crossings [share of the mean |e|].
-    memory : int
-        Samples over which the mean of |e| forgets.
-    samples_min, block : int
-        Fewest and most samples of a half wave.
-    regularity_min : float
-        mean / (3 std) of the full periods [-], above which they are those of an oscillation.
-    K, T_i, K_p : float or None
-        Gain [OP per PV] and integral time [s] of the controller, gain of the process [PV per OP].
+    I_stiction : index above which the half waves are square [-]
+    half_waves_min, half_waves_max : fewest for a verdict (n_lim of Hagglund 1995), and how many are remembered
+    band : hysteresis of the crossings [share of the mean |e|]
+    memory : samples over which the mean of |e| forgets
+    samples_min, block : fewest and most samples of a half wave
+    regularity_min : mean / (3 std) of the full periods [-], above which they are those of an oscillation
+    K, T_i, K_p : gain [OP per PV] and integral time [s] of the controller, gain of the process [PV per OP]
     """
 
     I_stiction: float = 0.1
@@ -187,8 +164,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.I_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.I_stiction):
         return refusal
     record = loop.record
     if record.sp is None:
@@ -203,7 +179,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _no_set_point(p: Params) -> Verdict:
     return Verdict.not_applicable(
-        NAME, "signal_missing", "SP is not logged, and this method reads the control error e = SP - PV.", p.I_stiction
+        CARD.name,
+        "signal_missing",
+        "SP is not logged, and this method reads the control error e = SP - PV.",
+        p.I_stiction,
     )
 
 
@@ -211,7 +190,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     from stickslip.detect.signals.kernels import spread
 
     def no(code: Code, reason: str) -> Verdict:
-        return Verdict.not_applicable(NAME, code, reason, p.I_stiction)
+        return Verdict.not_applicable(CARD.name, code, reason, p.I_stiction)
 
     means = [half.iae / half.length for half in halves]
     typical = percentile(np.array(means), 50.0) if halves else 0.0
@@ -229,7 +208,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
         return no("no_oscillation", f"The periods of e spread too much for an oscillation: regularity {regularity:.2g} "
                                     f"(limit {p.regularity_min:g}).")  # fmt: skip
     v_sine, v_square = np.array([half.v_sine for half in used]), np.array([half.v_square for half in used])
-    of_each = (v_sine - v_square) / np.maximum(v_sine + v_square, 1e-300)
+    of_each = np.array([half.shape_index for half in used])
     index = float(of_each.mean())
     low, high = interval(lambda means: means[:, 0], of_each[:, None])
     word, why = _word(index, low, p)
@@ -243,15 +222,11 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     )
     shown = used[:: -(-len(used) // 60)]
     evidence: dict[str, Values | float] = {
-        "phase": _PHASE,
-        "waves": np.array([half.shape for half in shown]),
-        "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE),
-        "other": np.ones(len(_PHASE)),
-        "error_sine": v_sine,
-        "error_other": v_square,
-        "I": of_each,
-    }
-    return Verdict(NAME, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
+        "phase": _PHASE, "waves": np.array([half.shape for half in shown]),
+        "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE), "other": np.ones(len(_PHASE)), "error_sine": v_sine,
+        "error_other": v_square, "I": of_each,
+    }  # fmt: skip
+    return Verdict(CARD.name, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
                    evidence=evidence, draw=draw)  # fmt: skip
 
 

@@ -24,81 +24,57 @@ period. A disturbance that is no sine and no drift is explained by neither model
 About 50 to 150 ms a record.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.filters import summits
 from stickslip.detect.stem.linear_models import Fit, Linear, bank, fit, near_by
+from stickslip.detect.stem.recent import blocks
 from stickslip.detect.stem.valve_models import VALVES
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Mask, Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Search", "detect", "draw", "search"]
-
-Values = npt.NDArray[np.float64]
-NAME = "hammerstein"
 # Of the swing of OP. In a limit cycle OP turns just after the slip, so that S is often nearly the swing.
 SIZES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.93, 0.96, 0.98, 0.995)
 
 CARD = Card(
-    name=NAME,
-    title="Hammerstein model",
+    name="hammerstein", title="Hammerstein model",
     source="Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Bacci di Capaci et al. 2016",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=(
-        "linear process",
-        "a cycle of the loop's own making",
-        "OP swings by more than S",
+        "linear process", "a cycle of the loop's own making", "OP swings by more than S",
         "dead time below a quarter of a period",
     ),
     finds="S and J [% of OP], and how many points of fit the sticky valve gains over the linear process alone",
-    index=(-100.0, 100.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(-100.0, 100.0), streams="window", cost="O(n) for each of 130 valves", experimental=True,
     stream_note="The search for S and J runs over a whole record, so nothing can be carried from window to window.",
     pros=("sizes S and J with a region", "compared with a linear loop by the same model", "any process"),
     cons=("the slowest of the methods", "J is poorly seen behind a slow process", "non-linear processes"),
-    cost="O(n) for each of 130 valves",
-    experimental=True,
     needs=("oscillation", "own_cycle", "unsaturated", "raw_pv", "follows"),
-    cycles=5.0,
-    samples=(10.0, math.inf),
-)
+    cycles=5.0, samples=(10.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings; all limits are ours.
 
-    linear : {"oe1", "oe2", "armax", "eoe", "earmax"}
-        The linear model; an integrating process takes the extended one of its kind.
-    valve : {"kano", "he"}
-    jumps : int
-        Steps of J / S.
-    per_period, samples : int
-        Samples of a period and of the record that are used.
-    cut : float
-        Where OP is smoothed, in frequencies of the oscillation.
-    region : float
-        Points of F below the best that the region of confidence takes in.
-    full : float
-        Share of the swing of OP from which on S is bounded by nothing but the swing: a model that sticks by nearly all
-        of it misses a slip wherever noise takes a little off OP, and F falls for that reason alone.
-    gain_min, fit_min, size_min : float
-        Least gain over the linear process [points], least F [%], least S [share of the swing of OP].
-    jump_min : float
-        A valve whose region has no J / S above this is called a deadband.
+    linear : the linear model; an integrating process takes the extended one of its kind
+    jumps : steps of J / S
+    per_period, samples : samples of a period and of the record that are used
+    cut : where OP is smoothed, in frequencies of the oscillation
+    region : points of F below the best that the region of confidence takes in
+    full : share of the swing of OP from which on S is bounded by nothing but the swing: a model that sticks by nearly
+        all of it misses a slip wherever noise takes a little off OP, and F falls for that reason alone
+    gain_min, fit_min, size_min : least gain over the linear process [points], least F [%], least S [share of the swing
+        of OP]
+    jump_min : A valve whose region has no J / S above this is called a deadband
     """
 
     linear: Linear = "eoe"
@@ -132,7 +108,7 @@ class Search(NamedTuple):
         """Index of the best valve."""
         return int(np.argmax(self.F))
 
-    def region(self, points: float) -> npt.NDArray[np.bool_]:
+    def region(self, points: float) -> Mask:
         """Which valves are within so many points of the best, shape (m,)."""
         return np.asarray(np.max(self.F) - points <= self.F)
 
@@ -206,14 +182,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'stiction'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.gain_min)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.gain_min):
         return refusal
     grid = loop.stretch
     each = max(1, round(loop.samples_per_period / p.per_period))
     # Noise on OP lets the model slip a sample too early, and then it is out of step for half a cycle.
     smooth = grid.op - loop.wave("OP", 0.0) + loop.wave("OP", p.cut)
-    op, pv = _extremes(smooth, each, p.samples), _means(grid.pv, each, p.samples)
+    op, pv = _extremes(smooth, each, p.samples), blocks(grid.pv[: each * p.samples], each)
     swing = float(np.ptp(np.percentile(loop.wave("OP", p.cut), [0.5, 99.5])))
     rounded = 1.0 + _shaved(grid.op, smooth, loop.samples_per_period) / swing
     found = search(op, pv, loop.samples_per_period / each, swing, _sign(grid.op, grid.e), bool(loop.integrating), p)
@@ -223,7 +198,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     if S_high >= p.full * swing:
         S_high = swing
     index = F - found.F_linear
-    part, unit = loop.op_percent(1.0) or 1.0, "% of OP" if loop.op_percent(1.0) else "in the unit of OP"
+    part, unit = loop.op_unit
     word, why = _word(found, swing, p)
     reason = (
         f"The process alone tells {found.F_linear:.0f} % of PV, with a sticky valve {F:.0f} %; S = {part * S:.2g} "
@@ -237,7 +212,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "y": found.best.y, "simulated": found.best.simulated, "dt": grid.dt * each,
     }  # fmt: skip
     amount = loop.op_percent(S) if word == "stiction" else None
-    return Verdict(NAME, word, index, p.gain_min, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.gain_min, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _word(found: Search, swing: float, p: Params) -> tuple[Word, str]:
@@ -276,12 +251,6 @@ def _shaved(op: Values, smooth: Values, period: float) -> float:
     return max(sum(float(np.mean(sign * (op - smooth)[at])) for sign, at in tops if len(at)), 0.0)
 
 
-def _means(x: Values, each: int, most: int) -> Values:
-    """Means of so many samples, shape (up to ``most``,)."""
-    n = min(len(x) // each, most)
-    return np.asarray(x[: n * each].reshape(n, each).mean(axis=1))
-
-
 def _extremes(x: Values, each: int, most: int) -> Values:
     """Least and largest of so many samples, in their order: a mean would cut the turns of OP, on which S hangs."""
     n = min(len(x) // each, most)
@@ -294,21 +263,16 @@ def _extremes(x: Values, each: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and the model over time, and F over the triangle of S and J with its region of confidence."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("y")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     shown = slice(0, 250)
     t = float(v.array("dt")[0]) * np.arange(len(v.array("y")))
     left.plot(t[shown], v.array("y")[shown], color=SOFT, lw=2.5, alpha=0.6, label="PV")
     left.plot(t[shown], v.array("simulated")[shown], color=INK, lw=1.0, label="model with valve")
-    left.set_xlabel("time [s]")
-    left.set_ylabel("PV, slow part off")
     left.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    tidy(left)
+    finish(left, "time [s]", "PV, slow part off")
     S, J, F = v.array("all_S"), v.array("all_J"), v.array("all_F")
     order = np.argsort(F)
     points = right.scatter(S[order], J[order], c=F[order], s=28, cmap="viridis")
@@ -316,6 +280,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
     right.plot(S[inside], J[inside], "o", ms=8, mfc="none", mec=INK, label="region of confidence")
     right.legend(frameon=False, fontsize=8.5, loc="upper left")
     figure.colorbar(points, ax=right, label="F [%]")
-    right.set_xlabel("S [% of OP]")
-    right.set_ylabel("J [% of OP]")
-    tidy(right)
+    finish(right, "S [% of OP]", "J [% of OP]")

@@ -18,49 +18,34 @@ A stream keeps the amplitudes of the blocks; they need the period beforehand, so
 Measured on the prepared record: 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Harmonics", "Params", "amplitudes", "detect", "draw", "harmonics_of", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
-NAME = "harmonics"
 
 CARD = Card(
-    name=NAME,
-    title="Third harmonics",
+    name="harmonics", title="Third harmonics",
     source="design notes of this project, after harmonic methods of the literature",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "PI controller", "half waves of nearly equal length"),
     finds="whether OP is triangular while PV is square (level: PV triangular); no amount",
-    index=(-1.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(-1.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(n)", experimental=True,
     pros=("no crossings needed", "shrugs off noise and offsets", "hardly ever accuses by chance"),
     cons=("abstains often", "the kind of process must be known", "never clears a valve"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=8.0,
-    samples=(12.0, math.inf),
-)
+    cycles=8.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -133,15 +118,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict, detect(loop).index > 0.95
     ('stiction', True)
     """
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The amplitudes of OP and PV in every block, real parts and then imaginary ones, (B, 12)."""
-    refusal = refused(CARD, loop, p.c3)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.c3):
         return refusal
     op, pv = loop.wave("OP", 0.0), loop.wave("PV", 0.0)
     length = round(p.periods * loop.samples_per_period)
@@ -149,7 +131,7 @@ def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
         reason = (
             f"The longest stretch holds {len(op) / length * p.periods:.1f} cycles; two blocks need {2 * p.periods:g}."
         )
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.c3)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.c3)
     a = np.concatenate(amplitudes((op, pv), length, loop.samples_per_period, p.refine)).T
     step = max(length // 2, 1) * loop.stretch.dt
     middle = loop.stretch.t[0] + 0.5 * (length - 1) * loop.stretch.dt
@@ -171,7 +153,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     for name, one in (("op", a_op), ("pv", a_pv)):
         ratio = np.conj(one[0] / np.abs(one[0])) ** 3 * one[2] / np.abs(one[0])
         evidence |= {f"{name}_re": ratio.real, f"{name}_im": ratio.imag}
-    return Verdict(NAME, word, index, p.c3, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, index, p.c3, reason, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged)
@@ -197,13 +179,10 @@ def _level(op: Harmonics, pv: Harmonics, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """a_3 over a_1 of every block in the complex plane, turned so that a triangle lies right and a square left."""
-    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.detect.figures.verdict import finish
     from stickslip.logs.figures import COLOURS
-    from stickslip.logs.style import FIT, SOFT, tidy
+    from stickslip.logs.style import FIT, SOFT
 
-    if "op_re" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     ax.axhline(0.0, color=SOFT, lw=0.8)
     ax.axvline(0.0, color=SOFT, lw=0.8)
@@ -214,8 +193,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         ax.plot([x], [0.0], "+", ms=12, color=FIT)
         ax.annotate(text, (x, 0.0), (0.0, 8.0), textcoords="offset points", ha="center", fontsize=8)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel("third harmonic in phase with the first [-]")
-    ax.set_ylabel("out of phase [-]")
-    ax.set_title("a_3 / a_1 of every block", fontsize=9, loc="left")
-    legend(ax)
-    tidy(ax)
+    finish(ax, "third harmonic in phase with the first [-]", "out of phase [-]", "a_3 / a_1 of every block", named=True)

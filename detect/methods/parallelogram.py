@@ -22,48 +22,32 @@ takes up to 30 % off S (docs/evidence/amounts.md).  In a cycle it has two places
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.play import interval, travel_of
 from stickslip.detect.stem.stick import stick, turn_time, turns
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Width", "detect", "draw", "width"]
-
-Values = npt.NDArray[np.float64]
-NAME = "parallelogram"
+from stickslip.logs.arrays import Indices, Values
 
 CARD = Card(
-    name=NAME,
-    title="Parallelogram",
-    source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
-    signals=("OP", "MV", "PV"),
+    name="parallelogram", title="Parallelogram", source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method B",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast flow loop", "OP range large against the noise"),
     finds="stiction or deadband from the width of the OP-MV picture; S in % of OP",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(50 n)", experimental=True,
     stream_note="The width of the play is searched for over a whole record, after PV was shifted for all of it.",
     pros=("gives S", "no oscillation needed", "set point may move"),
     cons=("a process lag opens the picture too", "S from PV low", "deadband looks the same", "blind on levels"),
-    cost="O(50 n)",
-    experimental=True,
     needs=("unsaturated", "fine_pv"),
-)
+)  # fmt: skip
 
 AT_ONCE = 64  # sticks that are made together: each takes as much memory as the record
 
@@ -137,7 +121,7 @@ def width(u: Values, y: Values, turn: float) -> Width:
     return Width(float(fine[best]), low, high, top, without, lag, x, sizes, np.max(rho, axis=1), slope, span)
 
 
-def _correlate(x: Values, y: Values, lags: npt.NDArray[np.int_], drop: int) -> tuple[Values, npt.NDArray[np.intp]]:
+def _correlate(x: Values, y: Values, lags: Indices, drop: int) -> tuple[Values, Indices]:
     """The largest |corr| of each column of x (n, m) with y (n,) that follows it by one of the lags, and which lag."""
     reach = int(lags[-1])
     head = x[drop : len(x) - reach]
@@ -213,13 +197,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 4.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.width)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.width) or too_short(CARD, loop.whole, p.samples, p.width):
         return refusal
     grid = loop.whole
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.width)
     name, y = stem_signal(grid)
     u = grid.op
     found = width(u, y, min(turn_time(u, loop.period / grid.dt)[1], len(u) / 4.0))
@@ -239,7 +219,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     for key, value in (("S_low", sizes.low), ("S_high", sizes.high)):
         evidence[key] = loop.op_percent(value) or value
-    return Verdict(NAME, word, W, p.width, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, W, p.width, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]:
@@ -261,23 +241,15 @@ def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV (or PV) picture with the fitted parallelogram, and the correlation over the width."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2)
     y, x, slope = v.array("y"), v.array("x"), float(v.array("slope")[0])
     left.plot(v.array("u")[::2], y[::2], ".", ms=2, color=SOFT)
     left.plot(v.array("u"), np.mean(y) + slope * (x - np.mean(x)), color=INK, lw=0.8)
-    left.set_xlabel("OP")
-    left.set_ylabel("MV" if v.array("mv")[0] else "PV")
     right.plot(v.array("sizes"), v.array("rho"), color=INK)
     right.axhline(v.array("rho_without")[0], color=SOFT, ls=":")
     right.axvline(v.array("width")[0], color=SOFT, ls="--")
-    right.set_xlabel("width of the play [unit of OP]")
-    right.set_ylabel("correlation [-]")
-    right.set_title("dotted: OP alone with its best lag", fontsize=9, loc="left")
-    for axes in (left, right):
-        tidy(axes)
+    finish(left, "OP", "MV" if v.array("mv")[0] else "PV")
+    finish(right, "width of the play [unit of OP]", "correlation [-]", "dotted: OP alone with its best lag")

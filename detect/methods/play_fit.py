@@ -38,48 +38,31 @@ Cost: 50 ms for 7,200 samples on one slow core.  Long records are averaged in bl
 between two turns, and the search compares 300 to 600 samples; the models are judged by all of them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Grid, Prepared, prepared
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.play import Fit, fit
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Fit", "Params", "detect", "draw", "fit"]
-
-Values = npt.NDArray[np.float64]
-NAME = "play_fit"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Play fit",
-    source="ours, after Kano et al. 2004, DYCOPS, method B",
-    signals=("OP", "PV"),
+    name="play_fit", title="Play fit", source="ours, after Kano et al. 2004, DYCOPS, method B",
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("linear process in the range seen", "the loop is closed", "OP not saturated"),
     finds="stiction with or without a cycle, set-point moves allowed; S in % of OP, or the largest S that would hide",
-    index=(0.9, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.9, math.inf), streams="window", cost="O(n) for each of 500 valves", experimental=True,
     stream_note="The fit starts stem and lag anew for every S that it tries, so it needs the samples themselves.",
     pros=("no oscillation needed", "any lag and dead time", "gives S and what would hide", "set point may move"),
     cons=("an exactly even cycle is left open", "needs reversals of OP", "S low in a steady cycle"),
-    cost="O(n) for each of 500 valves",
-    experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -124,20 +107,19 @@ def _blocks(grid: Grid, turn: float, points: int) -> tuple[int, Values, Values, 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.ratio)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.ratio):
         return refusal
     grid = loop.whole
     if len(grid) < p.samples:
         reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed to weigh two models."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.ratio)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.ratio)
     at, turn = turn_time(grid.op, loop.period / grid.dt)
     if not len(at) and not math.isfinite(loop.period):
         reason = (
             "OP never turns back by a quarter of its range; a one-way drift proves nothing, because a load ramp looks "
             "the same."
         )
-        return Verdict(NAME, "inconclusive", None, p.ratio, reason)
+        return Verdict(CARD.name, "inconclusive", None, p.ratio, reason)
     k, u, y, e = _blocks(grid, turn, p.points)
     sign = controller_sign(u, e)
     kinds = (False, True) if loop.integrating is None else (loop.integrating,)
@@ -155,12 +137,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     for name, value in (("S_low", found.low), ("S_high", found.high)):
         evidence[name] = loop.op_percent(value) or value
-    return Verdict(NAME, word, found.ratio, p.ratio, why, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.ratio, p.ratio, why, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _size(loop: Prepared, amount: float) -> str:
-    percent = loop.op_percent(amount)
-    return f"{amount:.3g} in the unit of OP" if percent is None else f"{percent:.3g} % of OP"
+    scale, unit = loop.op_unit
+    return f"{scale * amount:.3g} {unit}"
 
 
 def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[Word, str]:
@@ -204,19 +186,15 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
     lag = f.lag / turn
     no_better = f"A play does not predict PV clearly better than a lag alone ({r})"
     if f.ratio >= p.ratio:
-        return (
-            "inconclusive",
-            f"{no_better}: too little of what is left is new noise, so nothing is cleared.",
-        )
+        return "inconclusive", f"{no_better}: too little of what is left is new noise, so nothing is cleared."
     if lag > p.lag or f.explained_without < p.clearing_fit:
         why = "the lag of any wave under feedback" if lag > p.lag else "too much else moves it"
         return "inconclusive", (
             f"{no_better}; PV follows OP by {lag:.2f} half periods, {share}: {why}, so nothing is cleared."
         )
     if turned < p.reversals and not math.isfinite(loop.period):
-        return (
-            "inconclusive",
-            f"{no_better}, and OP turns back {turned} times only: a load ramp looks the same as a valve then.",
+        return "inconclusive", (
+            f"{no_better}, and OP turns back {turned} times only: a load ramp looks the same as a valve then."
         )
     if largest > p.cleared * f.travel:
         return "inconclusive", (
@@ -231,30 +209,21 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the fitted stem, PV with both fits, and how the fit worsens away from the best S."""
-    from stickslip.detect.figures.verdict import draw_reason, legend
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 2, width_ratios=(3, 1))
     top, low, right = (figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[:, 1]))
     shown = slice(0, 600)
     t, y = v.array("t")[shown], v.array("y")[shown]
     top.plot(t, v.array("u")[shown], color=SOFT, label="OP")
     top.plot(t, v.array("x")[shown], color=INK, label="stem, fitted")
-    top.set_ylabel("OP")
     low.plot(t, y, color=SOFT, label="PV, load off")
     low.plot(t, y - v.array("linear")[shown], color=INK, ls=":", label="without play")
     low.plot(t, y - v.array("played")[shown], color=INK, label="with play")
-    low.set_ylabel("PV")
-    low.set_xlabel("time [s]")
     right.plot(v.array("sizes"), v.array("loss"), ".-", color=INK)
     if np.max(v.array("loss")) > 10.0:
         right.set_yscale("symlog", linthresh=10.0)
-    right.set_xlabel("S [unit of OP]")
-    right.set_title("loss of log-likelihood", fontsize=9, loc="left")
-    for axes in (top, low):
-        legend(axes)
-    for axes in (top, low, right):
-        tidy(axes)
+    finish(top, "", "OP", named=True)
+    finish(low, "time [s]", "PV", named=True)
+    finish(right, "S [unit of OP]", "", "loss of log-likelihood")

@@ -26,50 +26,33 @@ of these had been seen, so this is partly a fit; ``docs/evidence/method_rates.md
 Not for levels, temperatures or gas pressures without MV.  Cost: about 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Movements", "Params", "detect", "draw", "movements", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
-NAME = "qualitative_movements"
+from stickslip.logs.arrays import Indices, Values
 
 CARD = Card(
-    name=NAME,
-    title="Qualitative movements",
-    source="Yamashita 2006, Control Eng. Practice 14:503",
-    signals=("OP", "MV", "PV"),
+    name="qualitative_movements", title="Qualitative movements", source="Yamashita 2006, Control Eng. Practice 14:503",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a flow loop", "sustained oscillation of one period"),
     finds="stiction, from the order in which OP and the stem move; S in % of OP, J in the unit of the stem",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(0.0, 1.0), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("simple", "sees irregular cycles", "gives S and J"),
     cons=("finds about half of the sticky valves", "a sine a quarter of a period behind looks the same", "noise"),
-    experimental=True,
     needs=("oscillation", "unsaturated", "fine_pv", "raw_pv"),
-    cycles=5.0,
-    samples=(12.0, math.inf),
-)
+    cycles=5.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -96,7 +79,7 @@ class Movements(NamedTuple):
     rho_3: float
     S: Values
     J: Values
-    pairs: npt.NDArray[np.int_]
+    pairs: Indices
 
 
 def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
@@ -113,7 +96,7 @@ def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
     return _counted(found, pairs)
 
 
-def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.int_], npt.NDArray[np.int_]]:
+def _runs(u: Values, x: Values, level: float) -> tuple[Values, Indices, Indices]:
     """The runs of equal movements (r, 6), the movements themselves, and the sample at which each run starts (r,).
 
     Of each run: its samples; whether the stem stands, and is followed rightly or wrongly (0 or 1); travels S and J.
@@ -139,7 +122,7 @@ def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.in
     return rows, 3 * du + dx, kept[starts]
 
 
-def _sizes(u: Values, x: Values, dx: npt.NDArray[np.int_], at: int, way: int) -> tuple[float, float]:
+def _sizes(u: Values, x: Values, dx: Indices, at: int, way: int) -> tuple[float, float]:
     """S and J of the move of the stem that is under way at ``at``: from the turn of OP to where the stem is fastest.
 
     Smoothing makes a slip a ramp, so that the stem seems to stand for less than it does; in its middle it is fastest.
@@ -155,14 +138,14 @@ def _sizes(u: Values, x: Values, dx: npt.NDArray[np.int_], at: int, way: int) ->
     return float(max(way * reached - np.min(way * u[since : slip + 1]), 0.0)), float(abs(x[last] - x[first]))
 
 
-def _move(dx: npt.NDArray[np.int_], at: int) -> tuple[int, int]:
+def _move(dx: Indices, at: int) -> tuple[int, int]:
     """The samples at which the move of the stem that is under way at ``at`` starts and ends."""
     other = np.flatnonzero(dx != dx[at])
     k = int(np.searchsorted(other, at))
     return int(other[k - 1]) + 1 if k else 0, int(other[k]) if k < len(other) else len(dx)
 
 
-def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:
+def _counted(runs: Values, pairs: Indices) -> Movements:
     """The numbers of the paper for runs (r, 6)."""
     if not len(runs):
         return Movements(0.0, 0.0, 0.0, np.empty(0), np.empty(0), pairs)
@@ -172,7 +155,7 @@ def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:
     return Movements(of_all[0], of_all[1], of_all[0] - of_all[2], S[good], J[good], pairs)
 
 
-def _symbols(d: Values, level: float) -> npt.NDArray[np.int_]:
+def _symbols(d: Values, level: float) -> Indices:
     std = float(np.std(d))
     z = (d - np.mean(d)) / std if std > 0.0 else np.zeros_like(d)
     return np.where(z > level, 1, np.where(z < -level, -1, 0))
@@ -180,9 +163,7 @@ def _symbols(d: Values, level: float) -> npt.NDArray[np.int_]:
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _signals(p: Params, loop: Prepared) -> tuple[Values, Values, Values, float, str]:
@@ -197,8 +178,7 @@ def _signals(p: Params, loop: Prepared) -> tuple[Values, Values, Values, float, 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """The runs of equal movements."""
-    refusal = refused(CARD, loop, p.rho)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rho):
         return refusal
     t, u, x, _, _ = _signals(p, loop)
     runs, _, starts = _runs(u, x, p.level)
@@ -227,7 +207,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         half = 1.645 * 1.2533 * float(np.std(found.S, ddof=1)) / math.sqrt(len(found.S))  # of a median of normal values
         evidence["S_low"] = loop.op_percent(S - half) or S - half
         evidence["S_high"] = loop.op_percent(S + half) or S + half
-    return Verdict(NAME, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=1200)
@@ -242,20 +222,16 @@ def _word(found: Movements, chance: float, p: Params) -> tuple[Word, str]:
         return "stiction", "OP moves while the stem stands, and the stem follows in a move of its own"
     if found.rho_3 >= p.rho - p.band:
         return "inconclusive", f"too close to {p.rho:g}, which chance makes too"
-    return (
-        "inconclusive",
-        "OP and the stem mostly move together or at odds; noise and lags do that too, which clears nothing",
+    return "inconclusive", (
+        "OP and the stem mostly move together or at odds; noise and lags do that too, which clears nothing"
     )
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem over time with the sticking pairs (IS, DS) marked."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
     top, low = figure.subplots(2, 1, sharex=True)
     t, stuck = v.array("t")[:300], np.abs(v.array("pairs")[:299]) == 3.0
     for axes, name, label in ((top, "u", "OP"), (low, "x", "MV" if v.array("mv")[0] else "PV")):
@@ -263,7 +239,6 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         axes.plot(t, y, color=SOFT)
         at = np.flatnonzero(stuck[: len(t) - 1])
         axes.plot([t[at], t[at + 1]], [y[at], y[at + 1]], color=INK, lw=2.5)
-        axes.set_ylabel(label)
-        tidy(axes)
+        finish(axes, "", label)
     top.set_title("heavy: OP moves, the stem stands (IS, DS)", fontsize=9, loc="left")
     low.set_xlabel("time [s]")

@@ -15,69 +15,47 @@ triangle, so a sine is not cleared.  Outside triangles are accused. Measured on 
 samples and 60 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
 from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
 from stickslip.detect.signals.interval_halving import Piece, primitives
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "share_of"]
-
-Values = npt.NDArray[np.float64]
-NAME = "qualitative_shapes"
 LETTERS = "ABCDEFG"
 
 CARD = Card(
-    name=NAME,
-    title="Qualitative shapes",
+    name="qualitative_shapes", title="Qualitative shapes",
     source="Rengaswamy, Hagglund and Venkatasubramanian 2001, Eng. Appl. Artif. Intell. 14:23",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "controller with integral action", "constant set point"),
     finds="whether the cycles after the first integrator read as triangles; no amount",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n)", experimental=True,
     stream_note="The pieces of interval halving depend on the noise and the scale of a whole record.",
     pros=("every cycle by itself", "readable letters", "unequal halves"),
     cons=("the kind of process must be known", "noise hides the bends", "outside triangles look the same"),
-    cost="O(n)",
-    experimental=True,
     needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
-    cycles=5.0,
-    samples=(20.0, math.inf),
-)
+    cycles=5.0, samples=(20.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Limits, all ours.
 
-    straight, bent : float
-        Share of a cycle's time in C and F for a triangle, in B, D, E and G for a sine [-].
-    cycles_stiction : float
-        Share of the cycles that must be triangles [-].
-    cycles_min, cycles_max : int
-        Fewest and most cycles read.
-    points : int
-        Values a cycle, at most as many as were sampled.
-    noise_wanted, noise_max : float
-        Noise on a value over the standard deviation of the wave: neighbouring cycles are averaged towards the first,
-        above the second nothing is decided [-].
-    misfit : float
-        Part of the wave's standard deviation that counts as noise even where there is none [-].
+    straight, bent : share of a cycle's time in C and F for a triangle, in B, D, E and G for a sine [-]
+    cycles_stiction : share of the cycles that must be triangles [-]
+    cycles_min, cycles_max : fewest and most cycles read
+    points : values a cycle, at most as many as were sampled
+    noise_wanted, noise_max : noise on a value over the standard deviation of the wave: neighbouring cycles are averaged
+        towards the first, above the second nothing is decided [-]
+    misfit : part of the wave's standard deviation that counts as noise even where there is none [-]
     """
 
     straight: float = 0.7
@@ -111,15 +89,14 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', 1.0)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.cycles_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.cycles_stiction):
         return refusal
     signal: Signal = "PV" if loop.integrating else "OP"
     points = min(p.points, int(loop.samples_per_period))  # more would be joined by lines, which are straight
     cycles = averaged(whole_cycles(loop, signal, points), p.noise_wanted, p.cycles_min)
     if len(cycles.y) < p.cycles_min:
         reason = f"{len(cycles.y)} cycles of {signal} are whole; {p.cycles_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.cycles_stiction)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", reason, p.cycles_stiction)
     spread, read = float(np.std(cycles.y)), cycles.y[:: -(-len(cycles.y) // p.cycles_max)]
     words = [primitives(y, math.hypot(cycles.noise, p.misfit * spread)) for y in read]
     straight = np.array([share_of("CF", pieces) for pieces in words])
@@ -132,14 +109,15 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         f"{index:.0%} of {len(words)} cycles of {signal} are triangles and {sines:.0%} sines; the most frequent reads "
         f"{' '.join(common)} (period {loop.period:.4g} s): {why}."
     )
-    return Verdict(NAME, word, index, p.cycles_stiction, reason, evidence=_evidence(read, words, signal), draw=draw)
+    return Verdict(
+        CARD.name, word, index, p.cycles_stiction, reason, evidence=_evidence(read, words, signal), draw=draw
+    )
 
 
 def _word(triangles: float, sines: float, noise: float, p: Params) -> tuple[Word, str]:
     if noise > p.noise_max:
-        return (
-            "inconclusive",
-            f"noise is {noise:.0%} of the wave ({p.noise_max:.0%} allowed), so lines explain all bends",
+        return "inconclusive", (
+            f"noise is {noise:.0%} of the wave ({p.noise_max:.0%} allowed), so lines explain all bends"
         )
     if triangles >= p.cycles_stiction:
         return "stiction", "triangles are what the first integrator makes of the square wave of a stuck valve"
@@ -166,12 +144,8 @@ def _evidence(cycles: Values, words: list[tuple[Piece, ...]], signal: Signal) ->
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The first cycles, each piece with its letter."""
     from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import tidy
+    from stickslip.detect.figures.verdict import finish
 
-    if "pieces" not in v.evidence:
-        draw_reason(v.reason, figure)
-        return
     ax = figure.subplots()
     y, points = v.array("y"), v.array("points")[0]
     x = np.arange(len(y)) / points
@@ -184,7 +158,4 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         ax.annotate(name, (x[(start + stop) // 2 if stop < len(x) else (start + len(x) - 1) // 2], 1.15 * high),
                     ha="center", fontsize=8, color=colour)  # fmt: skip
     ax.set_ylim(-1.15 * high, 1.35 * high)
-    ax.set_xlabel("cycle [-]")
-    ax.set_ylabel(f"{signal}, drift off")
-    ax.set_title("straight (C F), bent (B D E G) and level (A) pieces", fontsize=9, loc="left")
-    tidy(ax)
+    finish(ax, "cycle [-]", f"{signal}, drift off", "straight (C F), bent (B D E G) and level (A) pieces")

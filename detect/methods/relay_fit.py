@@ -18,49 +18,31 @@ wrong accusations where 10 were); a triangle with its apex near an end (0.9) has
 Measured on the prepared record: 2 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.half_waves.half_wave_fits import Samples, relay, relay_wave, sine, triangle
 from stickslip.detect.methods.against_sine import AgainstSine
-from stickslip.detect.pool import pooled
-from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.pool import Pool, of_record, pooled
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
-NAME = "relay_fit"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Relay fit",
-    source="Rossi and Scali 2005, J. Process Control 15:505",
-    signals=("PV",),
+    name="relay_fit", title="Relay fit", source="Rossi and Scali 2005, J. Process Control 15:505",
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation of the loop's own making", "OP not at a limit", "constant set point"),
     finds="whether a relay, as a sticky valve is one, could have made the wave of PV; no amount",
-    index=(-1.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="pooled",
-    stream_bound=0.05,
+    index=(-1.0, 1.0), streams="pooled", stream_bound=0.05, cost="O(25 n)", experimental=True,
     pros=("any process", "needs no OP", "each half wave by itself, so the period may drift"),
     cons=("noise draws it to 0", "outside squares and triangles look the same", "blind to waves with a late apex"),
-    cost="O(25 n)",
-    experimental=True,
     needs=("oscillation", "own_cycle", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "follows"),
-    cycles=3.0,
-    samples=(12.0, math.inf),
-)
+    cycles=3.0, samples=(12.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -115,8 +97,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     >>> detect(loop).verdict, detect(loop).index > 0.7
     ('stiction', True)
     """
-    loop = prepared(record)
-    return _frame(p).detect(loop)
+    return of_record(p, record, _seen, _judged)
 
 
 def _frame(p: Params) -> AgainstSine:
@@ -131,7 +112,15 @@ def _shape(phase: Values, ratio: float) -> Values:
     return relay_wave(phase, ratio) if ratio > 0.0 else 1.0 - np.abs(2.0 * phase - 1.0)
 
 
-remember, recall = pooled(lambda p, loop: _frame(p).seen(loop), lambda p, loop, pool: _frame(p).judged(loop, pool))
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    return _frame(p).seen(loop)
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    return _frame(p).judged(loop, pool)
+
+
+remember, recall = pooled(_seen, _judged)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

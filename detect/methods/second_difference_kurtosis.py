@@ -15,47 +15,29 @@ A level whose outlet steps for other reasons (on-off pumps, batches) bends in co
 processes, where a slip rounds off.  Cost: about 2 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.pool import Pool, of_record, pooled
 from stickslip.detect.prepare.preconditions import refused
-from stickslip.detect.prepare.prepared import CUT, Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.prepare.prepared import CUT, Prepared
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "excess", "noise_share", "recall", "remember"]
-
-Values = npt.NDArray[np.float64]
-NAME = "second_difference_kurtosis"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Kurtosis of the second difference",
-    source="Yamashita 2006, ESCAPE 16",
-    signals=("PV",),
+    name="second_difference_kurtosis", title="Kurtosis of the second difference", source="Yamashita 2006, ESCAPE 16",
+    signals=("PV",), process=("integrating",),
     assumes=("integrating process", "sustained oscillation", "constant set point", "low noise"),
     finds="stiction in levels, from corners in PV; no amount",
-    index=(-2.0, math.inf),
-    process=("integrating",),
-    streams="pooled",
-    stream_bound=0.1,
+    index=(-2.0, math.inf), streams="pooled", stream_bound=0.1, experimental=True,
     pros=("made for levels", "PV alone", "no phase needed"),
     cons=("any other stepping flow bends the level in corners", "noise", "needs smoothing"),
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "known_process"),
-    cycles=4.0,
-    samples=(15.0, math.inf),
-)
+    cycles=4.0, samples=(15.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -92,15 +74,12 @@ def noise_share(d: Values, sigma: float, samples_per_period: float) -> float:
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
-    loop = prepared(record)
-    found = _seen(p, loop)
-    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+    return of_record(p, record, _seen, _judged)
 
 
 def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
     """Number of values of d, means of d, d^2, d^3 and d^4 and the share of noise, in ``parts`` of the stretch."""
-    refusal = refused(CARD, loop, p.kurtosis)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.kurtosis):
         return refusal
     y, t = loop.wave("PV"), loop.stretch.t
     d = np.diff(y, 2)
@@ -128,7 +107,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     reason = f"K = {K:.2f}, 90 % interval {K - half:.2f} to {K + half:.2f}, {min(share, 1.0):.0%} noise: {why}."
     y = loop.wave("PV")
     evidence: dict[str, Values | float] = {"t": loop.stretch.t, "y": y, "d": np.diff(y, 2), "noise": share}
-    return Verdict(NAME, word, K, p.kurtosis, reason, interval=(K - half, K + half), evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, K, p.kurtosis, reason, interval=(K - half, K + half), evidence=evidence, draw=draw)
 
 
 remember, recall = pooled(_seen, _judged, most=100)
@@ -147,25 +126,18 @@ def _word(K: float, half: float, share: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and its second difference over time, and the distribution of the latter."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("d")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 2, width_ratios=(3, 1))
     top, low, right = (figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[:, 1]))
     t, d = v.array("t"), v.array("d") / np.std(v.array("d"))
     shown = slice(0, 2000)
     top.plot(t[shown], v.array("y")[shown], color=INK)
-    top.set_ylabel("PV, smoothed")
     low.plot(t[1:-1][shown], d[shown], color=INK)
-    low.set_ylabel("second difference [std]")
-    low.set_xlabel("time [s]")
     right.hist(d, 60, density=True, color=SOFT)
     x = np.linspace(-4.0, 4.0, 200)
     right.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color=INK, ls=":")
-    right.set_xlabel("second difference [std]")
-    right.set_title("dotted: normal", fontsize=9, loc="left")
-    for axes in (top, low, right):
-        tidy(axes)
+    finish(top, "", "PV, smoothed")
+    finish(low, "time [s]", "second difference [std]")
+    finish(right, "second difference [std]", "", "dotted: normal")

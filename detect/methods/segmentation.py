@@ -25,65 +25,43 @@ sticky valve does. On levels it finds nothing, and refuses them. 30 to 80 ms a r
 Source: Int. J. Adapt. Control Signal Process. 17 (2003) 625. Limits, orders and the number of hypotheses are ours.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Path", "detect", "draw", "segment"]
-
-Values = npt.NDArray[np.float64]
-NAME = "segmentation"
+from stickslip.logs.arrays import Values
 
 CARD = Card(
-    name=NAME,
-    title="Multi-model segmentation",
+    name="segmentation", title="Multi-model segmentation",
     source="Stenman, Gustafsson and Forsman 2003, Int. J. Adapt. Control Signal Process. 17:625",
-    signals=("OP", "PV"),
+    signals=("OP", "PV"), process=("self_regulating",),
     assumes=("the stem stays for some samples", "linear process of second order", "little noise on PV"),
     finds="share of the samples at which the stem moved, and the size of its slips",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", cost="O(n M) for M hypotheses", experimental=True,
     stream_note="Its recursion could follow every sample, but at 60 us each, three times what all may cost.",
     pros=("no oscillation needed", "causal", "says when the stem moved"),
     cons=("noise hides the slips", "the size is a lower bound of S", "feedback biases the process it finds"),
-    cost="O(n M) for M hypotheses",
-    experimental=True,
     needs=("unsaturated", "raw_pv", "fine_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings, all ours.
 
-    hypotheses : int
-        Kept at a time.
-    q : float
-        Prior chance of a move [-].
-    young : int
-        Samples for which a new hypothesis is not dropped.
-    rate_low, rate_high : float
-        Share of moves of a sticking valve [-].
-    stay : float
-        Least median length of a stay [samples].
-    per_period, samples, samples_min : int
-        Samples of a period where one is known, most and fewest of the record.
-    delay_max : int
-        Longest dead time that is tried [samples].
+    hypotheses : kept at a time
+    q : prior chance of a move [-]
+    young : samples for which a new hypothesis is not dropped
+    rate_low, rate_high : share of moves of a sticking valve [-]
+    stay : least median length of a stay [samples]
+    per_period, samples, samples_min : samples of a period where one is known, most and fewest of the record
+    delay_max : longest dead time that is tried [samples]
     """
 
     hypotheses: int = 16
@@ -187,8 +165,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'inconclusive'
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.rate_high)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.rate_high):
         return refusal
     grid = loop.whole
     per_period = loop.samples_per_period if math.isfinite(loop.period) else math.nan
@@ -196,26 +173,25 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     op, pv = grid.op[::each][: p.samples], grid.pv[::each][: p.samples]
     if len(op) < p.samples_min:
         few = f"{len(op)} samples without a gap; {p.samples_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", few, p.rate_high)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", few, p.rate_high)
     path = segment(op, pv, p)
     rate = float(np.mean(path.moved[2:]))
     stays, slips = _runs(path)
     needed = math.log(len(op)) * float(np.sum(path.moved))
     stay, slip = (float(np.median(v)) if len(v) else 0.0 for v in (stays, slips))
     word, why = _word(rate, stay, path.gain, needed, p)
-    size = loop.op_percent(slip)
-    unit = "in the unit of OP" if size is None else "% of OP"
+    scale, unit = loop.op_unit
     reason = (
         f"The stem moves at {rate:.0%} of the samples (limits {p.rate_low:.0%} to {p.rate_high:.0%}), stays {stay:.0f} "
-        f"samples and slips {slip if size is None else size:.2g} {unit} in the median; ln likelihood {path.gain:.0f} "
+        f"samples and slips {scale * slip:.2g} {unit} in the median; ln likelihood {path.gain:.0f} "
         f"above that of a valve that follows ({needed:.0f} needed): {why}."
     )
     evidence: dict[str, Values | float] = {
         "t": grid.t[::each][: p.samples], "op": op, "pv": pv, "stem": path.stem, "moved": path.moved,
         "gain": path.gain, "needed": needed,
     }  # fmt: skip
-    amount = size if word == "stiction" else None
-    return Verdict(NAME, word, rate, p.rate_high, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    amount = loop.op_percent(slip) if word == "stiction" else None
+    return Verdict(CARD.name, word, rate, p.rate_high, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _runs(path: Path) -> tuple[Values, Values]:
@@ -239,20 +215,14 @@ def _word(rate: float, stay: float, gain: float, needed: float, p: Params) -> tu
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the stem below it, and PV."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("stem")):
-        draw_reason(v.reason, figure)
-        return
     upper, lower = figure.subplots(2, 1, sharex=True)
     t = v.array("t")[:400]
     upper.plot(t, v.array("op")[:400], color=SOFT, lw=1.0, label="OP")
     upper.step(t, v.array("stem")[:400], where="post", color=INK, lw=1.2, label="stem, most likely")
     upper.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    upper.set_ylabel("OP")
     lower.plot(t, v.array("pv")[:400], color=INK, lw=0.9)
-    lower.set_ylabel("PV")
-    lower.set_xlabel("time [s]")
-    for ax in (upper, lower):
-        tidy(ax)
+    finish(upper, "", "OP")
+    finish(lower, "time [s]", "PV")

@@ -17,50 +17,32 @@ the simulated levels named there: 39 of 64 sticky ones found, 12 of 97 accused u
 sines, 27 of 46 with a deadband.  A round curve clears nothing.  4 ms for 7,200 prepared samples.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
 from stickslip.detect.methods import high_passed_pv
 from stickslip.detect.methods.high_passed_pv import flow_loops, judged
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.pv_op_loops import SMOOTHED_AT, loops
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw"]
-
-Values = npt.NDArray[np.float64]
-NAME = "shifted_pv"
 
 CARD = replace(
     high_passed_pv.CARD,
-    name=NAME,
-    title="Shifted PV against OP",
-    source="Kvam, NTNU 2009, section 7.2 (idea)",
+    name="shifted_pv", title="Shifted PV against OP", source="Kvam, NTNU 2009, section 7.2 (idea)",
     finds="stiction before an integrating process, from the corners of the curve of OP and PV; its apparent amount",
     pros=("works on levels", "gives an amount", "no derivative, so little noise"),
     cons=("a second harmonic looks like corners", "the amount is apparent", "dead time rounds the corners"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Rule and limits, all ours.
 
-    shift : float
-        N as a share of the period [-].
-    G_stiction : float
-        Roundness below which the curve has corners [-].
-    repeats_min, travel_min : float
-        As in ``high_passed_pv.Params`` [-].
+    shift : N as a share of the period [-]
+    G_stiction : roundness below which the curve has corners [-]
+    repeats_min, travel_min : as in ``high_passed_pv.Params`` [-]
     """
 
     shift: float = 0.25
@@ -72,6 +54,7 @@ class Params:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop; refuses any process that is not known to integrate.
 
+    >>> import numpy as np
     >>> t = np.arange(3000.0)
     >>> saw = 2 * np.abs(2 * ((t / 100) % 1) - 1) - 1
     >>> loop = LoopRecord.from_arrays(t, pv=saw, op=50 - 3 * saw, sp=0 * t, process="integrating")
@@ -80,8 +63,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.G_stiction)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.G_stiction):
         return refusal
     shift = p.shift * loop.period
     found = loops(loop, loop.wave("PV", SMOOTHED_AT), shift)

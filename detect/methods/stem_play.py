@@ -27,55 +27,40 @@ only these are read.  Where tight limits of a stand show no stick, wider ones ar
 before it breaks away.  Cost: about 8 ms for 7,200 samples, 15 ms where both are tried.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.stem.logged_stem import LATEST, Stem, band, stem
 from stickslip.detect.stem.play import travel_of
 from stickslip.detect.stem.stem_noise import stem_noise
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "Stem", "detect", "draw", "stem"]
-
-Values = npt.NDArray[np.float64]
 CREEPS, JUMPS = 0.03, 2.0  # of MV's range: a stem that gives so much before it breaks away stands; of that, its jumps
 TURN_LATE = 6.0  # samples from turn to turn of OP, over the samples that the stem may be late
 STOOD_SHARE = (
     0.5  # share of the samples that such a stem must stand: one that lags behind OP keeps still where OP turns
 )
 TURNED_SHARE = 0.2  # of the turns of OP: so many must turn the stem, unless they agree
-NAME = "stem_play"
 
 CARD = Card(
-    name=NAME,
-    title="Stem and OP",
+    name="stem_play", title="Stem and OP",
     source="ours; picture after Choudhury, Thornhill, Shah 2005, Control Eng. Practice 13:641",
-    signals=("OP", "MV"),
+    signals=("OP", "MV"), process=("self_regulating", "integrating"),
     assumes=("MV is the true stem position", "OP reverses"),
     finds="stiction from the stem itself; S, J, deadband, offset and gain of the positioner",
-    index=(0.0, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    index=(0.0, math.inf), streams="no", cost="O(n)", experimental=True,
     stream_note="A stream brings PV, OP, SP and the mode, not the stem position that this method reads.",
     pros=("nothing of the process matters", "S and J with intervals", "separates a deadband from a stick"),
     cons=("few plants log the stem",),
-    cost="O(n)",
-    experimental=True,
     needs=("mv",),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -104,19 +89,17 @@ class Params:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.slip)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.slip):
         return refusal
     limited = next((fact for fact in loop.present if fact.code == "op_saturated"), None)
     if limited is not None and loop.record.op_span is None:
-        return Verdict.not_applicable(NAME, "op_saturated", limited.text, p.slip)
+        return Verdict.not_applicable(CARD.name, "op_saturated", limited.text, p.slip)
     grid = loop.whole
     mv = grid.mv
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.slip)
+    if refusal := too_short(CARD, grid, p.samples, p.slip):
+        return refusal
     if mv is None or not np.all(np.isfinite(mv)) or np.ptp(mv) == 0.0:
-        return Verdict.not_applicable(NAME, "signal_missing", "MV has bad samples or never moves.", p.slip)
+        return Verdict.not_applicable(CARD.name, "signal_missing", "MV has bad samples or never moves.", p.slip)
     u = grid.op
     at, turn = turn_time(u, loop.period / grid.dt)
     travel = travel_of(u, turn)
@@ -148,7 +131,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     }  # fmt: skip
     decided = word != "inconclusive" and math.isfinite(J[0])
     return Verdict(
-        NAME, word, J[0] if math.isfinite(J[0]) else None, p.slip, why, interval=(J[1], J[2]) if decided else None,
+        CARD.name, word, J[0] if math.isfinite(J[0]) else None, p.slip, why, interval=(J[1], J[2]) if decided else None,
         amount_percent_op=loop.op_percent(found.S[0]) if word == "stiction" else None, evidence=evidence, draw=draw,
     )  # fmt: skip
 
@@ -198,33 +181,22 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV picture, both over time with the stands shaded, and S and J of every stand."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_stands, finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("u")):
-        draw_reason(v.reason, figure)
-        return
     grid = figure.add_gridspec(2, 3, width_ratios=(2, 3, 1))
     left, top, low = (figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]))
     right = figure.add_subplot(grid[:, 2])
-    t, u, mv = v.array("t")[:600], v.array("u"), v.array("mv")
+    u, mv = v.array("u"), v.array("mv")
     left.plot(u[:3000], mv[:3000], color=SOFT, lw=0.6, marker=".", ms=2)
-    left.set_xlabel("OP")
-    left.set_ylabel("MV")
-    for axes, y, name in ((top, u, "OP"), (low, mv, "MV")):
-        axes.plot(t, y[:600], color=INK)
-        axes.set_ylabel(name)
-        for a, b in zip(v.array("first"), v.array("last"), strict=True):
-            if a < t[-1]:
-                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
-    low.set_xlabel("time [s]")
+    stands = np.column_stack([v.array("first"), v.array("last")]).tolist()
+    draw_stands((top, low), v.array("t")[:600], {"OP": u[:600], "MV": mv[:600]}, stands)
     rng = np.random.default_rng(0)
     for x, name in ((0.0, "S"), (1.0, "J")):
         each = v.array(f"{name}_each")
         right.plot(x + rng.uniform(-0.15, 0.15, len(each)), each, "o", ms=3, color=SOFT)
         right.errorbar([x], v.array(name), color=INK, fmt="_", ms=16)
     right.set_xticks([0, 1], ["S", "J"])
-    right.set_title("% of OP", fontsize=9, loc="left")
     right.set_ylim(bottom=0.0)
-    for axes in (left, top, low, right):
-        tidy(axes)
+    finish(left, "OP", "MV")
+    finish(right, "", "", "% of OP")

@@ -19,62 +19,42 @@ Measured: none of 60 noisy sines, 10 narrow-band noises and 10 linear loops unde
 loops that cycle by a sticky valve under a wandering load had, and none of 10 that repeat almost exactly. About 0.1 s.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
 from stickslip.detect.prepare.preconditions import refused
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.signals.crossings import crossings
 from stickslip.detect.signals.surrogates import phase_randomised
-from stickslip.detect.verdict import Verdict
+from stickslip.detect.verdict import FigureBase, Verdict
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Params", "detect", "draw", "forecast_error"]
-
-Values = npt.NDArray[np.float64]
-NAME = "surrogates"
 FLOOR_SHARE = 0.01  # of the variance of PV: twins of an almost clean line agree to less, and any leak would be many std
 
 CARD = Card(
-    name=NAME,
-    title="Surrogate predictability",
+    name="surrogates", title="Surrogate predictability",
     source="Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434",
-    signals=("PV",),
+    signals=("PV",), process=("self_regulating", "integrating"),
     assumes=("sustained oscillation", "stationary mean", "raw samples"),
     finds="whether the wave is non-linear; ranks the tags of one oscillation, the largest N nearest to its source",
-    index=(0.0, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="window",
+    index=(0.0, math.inf), streams="window", cost="O(M n^2 E)", experimental=True, accuses=False,
     stream_note="Surrogates are made of the spectrum of one record, and the window must hold twelve cycles.",
     pros=("any tag, not only loops", "any kind of non-linearity", "no model"),
     cons=("does not say what is non-linear", "exact repetition looks linear", "sensitive to the ends of the record"),
-    cost="O(M n^2 E)",
-    experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "raw_pv", "fine_pv"),
-    cycles=12.0,
-    samples=(7.0, math.inf),
-    accuses=False,
-)
+    cycles=12.0, samples=(7.0, math.inf),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings of the paper, but for ``per_period`` and ``samples``, which bound the cost.
 
-    limit : float
-        N above which the wave is non-linear [-].
-    neighbours, twins : int
-    per_period, samples : int
-        Most samples of a period (7 to 25 in the paper), and of the record.
+    limit : N above which the wave is non-linear [-]
+    per_period, samples : most samples of a period (7 to 25 in the paper), and of the record
     """
 
     limit: float = 1.0
@@ -121,14 +101,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     True
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.limit)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.limit):
         return refusal
     period = min(round(loop.samples_per_period), p.per_period)
     x = _whole_cycles(loop, period, p.samples // period)
     if len(x) < CARD.cycles * period:
         few = f"{len(x) / period:.0f} whole cycles lie between crossings of zero; {CARD.cycles:g} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", few, p.limit)
+        return Verdict.not_applicable(CARD.name, "too_few_cycles", few, p.limit)
     twins = phase_randomised(x, p.twins, np.random.default_rng(0))
     gamma, *others = forecast_error(np.vstack([x, twins]), period, period, p.neighbours).tolist()
     signed = (float(np.mean(others)) - gamma) / (3.0 * max(float(np.std(others, ddof=1)), FLOOR_SHARE))
@@ -142,7 +121,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         f"{p.twins} linear twins over {len(x) / period:.0f} cycles: {why}. It ranks tags and judges no valve."
     )
     evidence: dict[str, Values | float] = {"gamma": gamma, "twins": np.array(others), "x": x, "twin": twins[0]}
-    return Verdict(NAME, "inconclusive", index, p.limit, reason, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, "inconclusive", index, p.limit, reason, evidence=evidence, draw=draw)
 
 
 def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:
@@ -165,20 +144,14 @@ def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The wave and one of its twins; the forecast errors of all twins, and of the record."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import finish
+    from stickslip.logs.style import INK, SOFT
 
-    if not len(v.array("x")):
-        draw_reason(v.reason, figure)
-        return
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     left.plot(v.array("x")[:200], color=INK, lw=1.0, label="PV, drift off, z-scored")
     left.plot(v.array("twin")[:200] - 5.0, color=SOFT, lw=1.0, label="a linear twin (5 lower)")
     left.legend(frameon=False, fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    left.set_xlabel("sample")
     right.hist(v.array("twins"), bins=12, color=SOFT, alpha=0.6)
     right.axvline(float(v.array("gamma")[0]), color=INK)
-    right.set_xlabel("forecast error: linear twins, and the record (line)")
-    right.set_ylabel("twins")
-    for ax in (left, right):
-        tidy(ax)
+    finish(left, "sample")
+    finish(right, "forecast error: linear twins, and the record (line)", "twins")

@@ -24,54 +24,38 @@ called sticky, a deadband (19 of 210 without the twins); of 80 sticky ones, many
 Not for slow processes without MV, coarse PV, or PV lost in noise.  Cost: about 3 ms for 7,200 samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, too_short
 from stickslip.detect.prepare.prepared import Prepared, prepared
 from stickslip.detect.prepare.stem_signal import stem_signal
+from stickslip.detect.signals.runs import runs
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.linear_twins import linear_twins
+from stickslip.detect.stem.recent import blocks
 from stickslip.detect.stem.stick import turn_time
-from stickslip.detect.verdict import Verdict, Word
+from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
-
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-__all__ = ["CARD", "Flags", "Params", "detect", "draw", "flags", "reverse_arrangements"]
-
-Values = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
-NAME = "window_tests"
+from stickslip.logs.arrays import Mask, Values
 
 CARD = Card(
-    name=NAME,
-    title="Window tests",
-    source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
-    signals=("OP", "MV", "PV"),
+    name="window_tests", title="Window tests", source="Damarla et al. 2022, AdCONIP 210-215; 2023, IECR 62(12)",
+    signals=("OP", "MV", "PV"), process=("self_regulating",),
     assumes=("MV logged, or a fast process", "white noise", "constant set point"),
     finds="stiction, from windows in which OP changes and PV does not; the travel of OP in %",
-    index=(0.0, 1.0),
-    process=("self_regulating",),
-    streams="window",
+    index=(0.0, 1.0), streams="window", experimental=True,
     stream_note="Its rival, the linear twins of the record, are made of a whole record.",
     pros=("simple", "no oscillation needed", "every limit is a level of significance"),
     cons=(
-        "slow processes",
-        "the travel counts in whole windows",
-        "noise hides changes of PV",
+        "slow processes", "the travel counts in whole windows", "noise hides changes of PV",
         "the published limit of 0 calls every loop",
     ),
-    experimental=True,
     needs=("constant_sp", "unsaturated", "fine_pv", "raw_pv"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -151,24 +135,19 @@ def flags(u: Values, y: Values, w: int, alpha: float = 0.05) -> Flags:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.omega)
-    if refusal is not None:
+    if refusal := refused(CARD, loop, p.omega) or too_short(CARD, loop.stretch, p.samples, p.omega):
         return refusal
     grid = loop.stretch
-    if len(grid) < p.samples:
-        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.omega)
     name, y = stem_signal(grid)
     u = grid.op
     w = max(round(loop.samples_per_period / p.per_period), 4) if math.isfinite(loop.period) else p.window
     found = flags(u, y, w, p.alpha)
     omega, opposite = float(np.mean(found.means)), float(np.mean(found.opposite))
     travel = _travel(u, found.means, w)
-    turned = len(turn_time(u, loop.samples_per_period)[0])
-    _, turn = turn_time(u, loop.samples_per_period)
+    at, turn = turn_time(u, loop.samples_per_period)
     sign = 1.0 if name == "MV" else controller_sign(u, grid.e)
     chance = max(float(np.mean(flags(u, twin, w, p.alpha).means)) for twin in linear_twins(u, y, turn, sign))
-    word, why = _word(omega, opposite, chance, turned, name, p)
+    word, why = _word(omega, opposite, chance, len(at), name, p)
     size = float(np.percentile(travel, 95)) if len(travel) else math.nan
     amount = loop.op_percent(size) if word == "stiction" else None
     reason = (
@@ -179,24 +158,21 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "omega_unequal": float(np.mean(found.unequal)), "omega_variances": float(np.mean(found.variances)),
         "omega_trends": float(np.mean(found.trends)), "chance": chance, "travel": travel, "mv": float(name == "MV"),
     }  # fmt: skip
-    return Verdict(NAME, word, omega, p.omega, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+    return Verdict(CARD.name, word, omega, p.omega, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
 
 def _travel(u: Values, flagged: Mask, w: int) -> Values:
     """Travel of OP from the middle of the window before a run of flagged windows to the middle of its last."""
-    edges = np.diff(np.concatenate([[0], flagged.astype(np.int8), [0]]))
-    middles = u[: len(u) // w * w].reshape(-1, w).mean(axis=1)
-    return np.asarray(np.abs(middles[np.flatnonzero(edges == -1)] - middles[np.flatnonzero(edges == 1)]))
+    first, end = runs(flagged)
+    middles = blocks(u, w)
+    return np.asarray(np.abs(middles[end] - middles[first]))
 
 
 def _word(omega: float, opposite: float, chance: float, turned: int, name: str, p: Params) -> tuple[Word, str]:
     if omega > p.omega and turned < p.reversals:
         return "inconclusive", f"OP turns back {turned} times ({p.reversals} needed), and a load ramp looks the same"
     if omega > p.omega and omega < p.beyond * chance:
-        return (
-            "inconclusive",
-            f"a lag without sticking makes {chance:.2f}; {p.beyond:g} times that is needed",
-        )
+        return "inconclusive", f"a lag without sticking makes {chance:.2f}; {p.beyond:g} times that is needed"
     if omega > p.omega and omega > p.excess * opposite:
         return "stiction", f"{name} stays while OP changes, more than chance would have it"
     if omega > p.omega:
@@ -206,20 +182,10 @@ def _word(omega: float, opposite: float, chance: float, turned: int, name: str, 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time with the flagged windows shaded."""
-    from stickslip.detect.figures.verdict import draw_reason
-    from stickslip.logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_stands
 
-    if not len(v.array("t")):
-        draw_reason(v.reason, figure)
-        return
-    top, low = figure.subplots(2, 1, sharex=True)
-    t, w = v.array("t"), int(v.array("w")[0])
-    shown = slice(0, min(800, len(t)))
-    for axes, name, label in ((top, "u", "OP"), (low, "y", "MV" if v.array("mv")[0] else "PV")):
-        axes.plot(t[shown], v.array(name)[shown], color=INK)
-        axes.set_ylabel(label)
-        for k in np.flatnonzero(v.array("flagged")) + 1:
-            if (k + 1) * w <= shown.stop:
-                axes.axvspan(t[k * w], t[(k + 1) * w - 1], color=SOFT, alpha=0.3, lw=0)
-        tidy(axes)
-    low.set_xlabel("time [s]")
+    t, w = v.array("t")[:800], int(v.array("w")[0])
+    signals = {"OP": v.array("u")[:800], "MV" if v.array("mv")[0] else "PV": v.array("y")[:800]}
+    first = w * (np.flatnonzero(v.array("flagged")) + 1)
+    stands = [(t[a], t[a + w - 1]) for a in first.tolist() if a + w <= len(t)]
+    draw_stands(figure.subplots(2, 1, sharex=True), t, signals, stands)

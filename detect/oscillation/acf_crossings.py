@@ -39,65 +39,46 @@ first crossing in place of the one over all lags, to which a true oscillation wo
 the second try after removal of drift, because a slow drift lifts the whole ACF off zero and hides the crossings.
 """
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.card import Card
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.detect.oscillation.gate import GATE_CARD, REGULARITY_MAX, Gate, Stretch
 from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.detect.signals.smoothing import moving_average
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
-
-Values = npt.NDArray[np.float64]
 Beat = tuple[float, int, float, float, float, float]  # standard deviation, and what ``acf_kernels.beat`` says [lags]
 _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
 _SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
 
-CARD = Card(
-    name="acf_crossings",
-    title="ACF zero crossings",
+CARD = replace(
+    GATE_CARD,
+    name="acf_crossings", title="ACF zero crossings",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
-    signals=("SP", "PV"),
     assumes=("one dominant period", "three cycles or more"),
     finds="whether the loop oscillates, its period and regularity",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    cost="O(n log n)",
     pros=("noise of any colour seldom passes", "the period may drift", "no tuning per loop"),
     cons=("two mixed periods lower the regularity", "needs four cycles, and more in slow noise"),
-    cost="O(n log n)",
-    kind="gate",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings of the test.
 
-    regularity_min : float
-        Least regularity r [-], of the paper.
-    crossings, intervals_min : int
-        Zero crossings used, of the paper, and fewest intervals between them.
-    cycles_min : float
-        Fewest cycles in the record.
-    samples_min : float
-        Fewest samples a period.
-    band : float
-        z of the noise band [-]; 1.96 is its 95 %.
-    halvings : int
-        How often a record that does not pass, or whose period drifts, is halved.
-    drift_max : float
-        Largest difference between the periods of two halves of one period [-].
-    share_min : float
-        Least share of the time that the parts that pass must make up [-].
+    regularity_min : least regularity r [-], of the paper
+    crossings, intervals_min : zero crossings used, of the paper, and fewest intervals between them
+    cycles_min : fewest cycles in the record
+    samples_min : fewest samples a period
+    band : z of the noise band [-]; 1.96 is its 95 %
+    halvings : how often a record that does not pass, or whose period drifts, is halved
+    drift_max : largest difference between the periods of two halves of one period [-]
+    share_min : least share of the time that the parts that pass must make up [-]
     """
 
     regularity_min: float = 1.0
@@ -244,7 +225,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
 
 def _beat(y: Values, p: Params) -> Beat:
     """Standard deviation of y (n,), crossings of its autocorrelation, and what ``acf_kernels.beat`` says of them."""
-    from stickslip.detect.oscillation.acf_kernels import beat, centred, powers, short_beat
+    from stickslip.detect.oscillation.acf_kernels import beat, centred, short_beat
 
     n = len(y)
     if n <= _SHORT:
@@ -253,8 +234,7 @@ def _beat(y: Values, p: Params) -> Beat:
     padded = np.zeros(_quick_length(2 * n))
     std = centred(y, padded)
     spectrum = np.fft.rfft(padded)
-    power = np.empty(len(spectrum))
-    powers(spectrum, power)
+    power = spectrum.real**2 + spectrum.imag**2
     return std, *beat(np.fft.irfft(power)[:n], p.band, p.crossings)
 
 
@@ -286,11 +266,8 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
 def _strongest_period(y: Values, dt: float) -> float:
     """Period of the highest spectral line with at least three cycles in the record [s]."""
-    from stickslip.detect.oscillation.acf_kernels import powers
-
     spectrum = np.fft.rfft(y * _hanning(len(y)))[3:]
-    power = np.empty(len(spectrum))
-    powers(spectrum, power)
+    power = spectrum.real**2 + spectrum.imag**2
     return len(y) * dt / (3 + int(power.argmax()))
 
 

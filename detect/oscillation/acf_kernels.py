@@ -1,4 +1,4 @@
-"""The loops over samples of ``acf_crossings``, compiled: the even grid, the power, the swings beyond the noise.
+"""The loops over samples of ``acf_crossings``, compiled: the even grid, the swings beyond the noise.
 
 Loaded when first called.  A record under set-point moves is tested piece by piece, some fifty times a few hundred
 samples, for which whole arrays are too dear.
@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from stickslip.detect.signals.smoothing_kernels import averages
 from stickslip.logs.compiled import njit
-
-__all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]
 
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
@@ -67,13 +65,6 @@ def correlated(y: Any, out: Any) -> None:
         for i in range(n - k):
             total += y[i] * y[i + k]
         out[k] = total
-
-
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def powers(spectrum: Any, out: Any) -> None:
-    """|spectrum|^2 (m,) into ``out`` (m,)."""
-    for i in range(len(spectrum)):
-        out[i] = spectrum[i].real * spectrum[i].real + spectrum[i].imag * spectrum[i].imag
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

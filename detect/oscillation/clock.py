@@ -18,18 +18,13 @@ Measured on 520 simulated loops of the setting "training", seed 777001, with 16 
 are ours; the two laws are those of a random walk and of independent errors.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.crossings import crossings
+from stickslip.logs.arrays import Values
 
-__all__ = ["CYCLES_MIN", "RATIO_MAX", "Clock", "clock_of"]
-
-Values = npt.NDArray[np.float64]
 RATIO_MAX = 0.55  # of the ratio, below which a wave keeps time
 CYCLES_MIN = 16  # fewest that show it
 EXACT_STEPS = 0.02  # sampling intervals that cycles differ by at least, or they repeat as far as the samples tell

@@ -1,20 +1,14 @@
 """The autocorrelation of the control error and its zeros, from which ``miao_seborg`` and ``salsbury_singhal`` begin."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.oscillation.acf_crossings import significant_crossings
 from stickslip.detect.oscillation.even import Even, acf, even
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.logs import LoopRecord
-
-__all__ = ["Correlogram", "correlogram"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class Correlogram(NamedTuple):

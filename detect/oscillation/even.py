@@ -1,18 +1,13 @@
 """The signal that oscillation detectors look at: the control error of the longest good stretch, evenly sampled."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.oscillation.gate import REGULARITY_MAX
 from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Even", "acf", "even", "regularity"]
-
-Values = npt.NDArray[np.float64]
 SAMPLES_MIN = 20
 CYCLES_MIN = 3.0
 

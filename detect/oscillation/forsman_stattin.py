@@ -9,34 +9,24 @@ Source: Forsman and Stattin 1999, European Control Conference. Ours: a small ban
 periods at least.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import regularity
-from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.detect.oscillation.lobes import lobes
 from stickslip.logs import LoopRecord
 
-__all__ = ["CARD", "Params", "find", "likeness"]
-
-CARD = Card(
-    name="forsman_stattin",
-    title="Likeness of half periods",
+CARD = replace(
+    GATE_CARD,
+    name="forsman_stattin", title="Likeness of half periods",
     source="Forsman and Stattin 1999, European Control Conference",
-    signals=("SP", "PV"),
     assumes=("e is centred on zero",),
     finds="which share of the half periods resemble the one before them",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    index=(0.0, 1.0), cost="O(n)",
     pros=("unlike half waves above and below do no harm", "slow changes of period or amplitude pass"),
     cons=("noise adds crossings", "an offset or drift takes them away"),
-    cost="O(n)",
-    kind="gate",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -13,37 +13,26 @@ Measured with the defaults of ``find``, 200 seeds of 1000 samples: 1 % of white 
 0.95 and of random walks, but 29 % of AR(1) with -0.8, whose sign alternates.
 """
 
-from __future__ import annotations
-
 import math
 import operator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.card import Card
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
+from stickslip.detect.oscillation.even import regularity
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Params", "State", "find", "gate", "init", "run", "update"]
-
-CARD = Card(
-    name="hagglund1995",
-    title="Load counting (IAE)",
-    source="Hagglund 1995, Control Eng. Practice 3:1543",
-    signals=("SP", "PV"),
+CARD = replace(
+    GATE_CARD,
+    name="hagglund1995", title="Load counting (IAE)", source="Hagglund 1995, Control Eng. Practice 3:1543",
     assumes=("e is centred on zero",),
     finds="whether the loop oscillates by more than a tolerated amplitude, its period",
-    index=(0.0, math.inf),
-    process=("self_regulating", "integrating"),
-    streams="exact",
+    index=(0.0, math.inf), streams="exact", cost="O(1) per sample",
     pros=("a few numbers of memory", "physical tolerance"),
     cons=("needs a tolerated amplitude", "noise chops the lobes", "an offset of e hides it"),
-    cost="O(1) per sample",
-    kind="gate",
-)
-Values = npt.NDArray[np.float64]
+)  # fmt: skip
 _KEPT = 11  # crossings remembered, as in the ACF gate
 
 
@@ -51,18 +40,12 @@ _KEPT = 11  # crossings remembered, as in the ACF gate
 class Params:
     """Settings of the detector.
 
-    a : float
-        Tolerated amplitude of e [unit of PV]; the paper takes 1 % of the PV span.
-    w_u : float or None
-        Ultimate frequency [rad/s], or 2 pi / T_i; None takes the length of each lobe.
-    n_lim : float
-        Loads that make an oscillation [-].
-    periods : float
-        Supervision time T_sup in periods [-].
-    band : float
-        Hysteresis on either side of zero [unit of PV].
-    regularity_min : float
-        mean / (3 std) of the crossing intervals [-]; 0 gives the published test.
+    a : tolerated amplitude of e [unit of PV]; the paper takes 1 % of the PV span
+    w_u : ultimate frequency [rad/s], or 2 pi / T_i; None takes the length of each lobe
+    n_lim : loads that make an oscillation [-]
+    periods : supervision time T_sup in periods [-]
+    band : hysteresis on either side of zero [unit of PV]
+    regularity_min : mean / (3 std) of the crossing intervals [-]; 0 gives the published test
     """
 
     a: float
@@ -121,16 +104,9 @@ def update(p: Params, s: State, t: float, e: float) -> State:
     load = 1.0 if lobe > 2 * p.a / w else 0.0
     mean = lobe / length if length > 0 else 0.0
     return State(
-        x=x + load,
-        iae=rest,
-        t=t,
-        e=e,
-        side=side,
-        zero=zero,
-        crossed=(*s.crossed, zero)[-_KEPT:],
-        mean_abs=mean if s.mean_abs == 0 else s.mean_abs + 0.2 * (mean - s.mean_abs),
-        first=s.first,
-    )
+        x=x + load, iae=rest, t=t, e=e, side=side, zero=zero, crossed=(*s.crossed, zero)[-_KEPT:],
+        mean_abs=mean if s.mean_abs == 0 else s.mean_abs + 0.2 * (mean - s.mean_abs), first=s.first,
+    )  # fmt: skip
 
 
 def gate(p: Params, s: State) -> Gate:
@@ -139,17 +115,13 @@ def gate(p: Params, s: State) -> Gate:
     amplitude = 0.5 * math.pi * s.mean_abs
     if len(intervals) < 3:
         return Gate.none(f"{len(intervals)} whole half periods so far.", amplitude)
-    spread = float(np.std(intervals, ddof=1))
-    mean = float(np.mean(intervals))
-    regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
-    period = 2 * float(np.median(intervals))
-    cycles = (s.t - s.first) / period
-    oscillating = s.x > p.n_lim and regularity > p.regularity_min
+    r, period = regularity(intervals), 2 * float(np.median(intervals))
+    oscillating = s.x > p.n_lim and r > p.regularity_min
     reason = (
         f"{'Oscillating' if oscillating else 'Not oscillating'}: load count {s.x:.1f} (limit {p.n_lim:g}), "
-        f"period {period:.4g} s, regularity {regularity:.2g} (limit {p.regularity_min:g})."
+        f"period {period:.4g} s, regularity {r:.2g} (limit {p.regularity_min:g})."
     )
-    return Gate(oscillating, period, regularity, amplitude, cycles, reason)
+    return Gate(oscillating, period, r, amplitude, (s.t - s.first) / period, reason)
 
 
 def find(record: LoopRecord, p: Params | None = None) -> Gate:
@@ -177,7 +149,7 @@ def find(record: LoopRecord, p: Params | None = None) -> Gate:
 
 
 def run(p: Params, t: Values, e: Values) -> State:
-    """The state after all samples e (n,) [unit of PV] at t (n,) [s], as ``update`` gives one by one; loads in a loop.
+    """The state after all samples e (n,) [unit of PV] at t (n,) [s], one after the other.
 
     Raises ValueError without samples.
 
@@ -188,42 +160,10 @@ def run(p: Params, t: Values, e: Values) -> State:
     """
     if len(t) == 0:
         raise ValueError("no samples; give at least one")
-    h, crosses = np.diff(t), ((e[:-1] > 0) != (e[1:] > 0)) & (e[:-1] != e[1:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        zero = np.where(crosses, t[:-1] + h * e[:-1] / (e[:-1] - e[1:]), np.nan)
-    size = np.abs(e)
-    area = (size[:-1] + size[1:]) * h
-    area[crosses] = (size[:-1] * (zero - t[:-1]) + size[1:] * (t[1:] - zero))[crosses]
-    total = np.concatenate([[0.0], np.cumsum(0.5 * area)])
-
-    beyond = np.flatnonzero(np.abs(e) > p.band)
-    turned = np.flatnonzero(np.diff(np.sign(e[beyond]))) + 1
-    at = beyond[turned]  # samples at which e has come out on the other side
-    last = np.maximum.accumulate(np.where(crosses, np.arange(len(h)), -1))[at - 1]
-    zeros = zero[last]
-    fresh = crosses[at - 1] & (zeros > t[at - 1])  # then the area since the crossing belongs to the new lobe
-    rest = np.where(fresh, 0.5 * size[at] * (t[at] - zeros), 0.0)
-    lobes = np.diff(total[at] - rest, prepend=0.0)
-    lengths = np.diff(zeros, prepend=t[0])
-
-    x, since, mean_abs = 0.0, float(t[0]), 0.0
-    crossed: tuple[float, ...] = (float(t[0]),)
-    for end, z, lobe, length in zip(t[at].tolist(), zeros.tolist(), lobes.tolist(), lengths.tolist(), strict=True):
-        x = _faded(p, x, crossed, end - since)
-        w = p.w_u if p.w_u is not None else math.pi / length if length > 0 else math.inf
-        x += 1.0 if lobe > 2 * p.a / w else 0.0
-        mean = lobe / length if length > 0 else 0.0
-        mean_abs = mean if mean_abs == 0 else mean_abs + 0.2 * (mean - mean_abs)
-        crossed, since = (*crossed, z)[-_KEPT:], end
-    crossings = np.flatnonzero(crosses)
-    return State(
-        x=_faded(p, x, crossed, float(t[-1]) - since),
-        iae=float(total[-1] - (total[at[-1]] - rest[-1] if len(at) else 0.0)),
-        t=float(t[-1]), e=float(e[-1]),
-        side=_side(float(e[beyond[-1]]), p.band) if len(beyond) else 0,
-        zero=float(zero[crossings[-1]]) if len(crossings) else math.nan,
-        crossed=crossed, mean_abs=mean_abs, first=float(t[0]),
-    )  # fmt: skip
+    state = init(p)
+    for ti, ei in zip(t.tolist(), e.tolist(), strict=True):
+        state = update(p, state, ti, ei)
+    return state
 
 
 def _faded(p: Params, x: float, crossed: tuple[float, ...], h: float) -> float:

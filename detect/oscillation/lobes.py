@@ -1,20 +1,14 @@
 """The half periods of the control error in time, which ``forsman_stattin`` and ``thornhill1997`` begin with."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.oscillation.even import even
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.detect.signals.crossings import crossings
 from stickslip.logs import LoopRecord
-
-__all__ = ["Lobes", "lobes"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class Lobes(NamedTuple):

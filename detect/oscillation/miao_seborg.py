@@ -10,39 +10,26 @@ the same colour keeps to (``acf_crossings``): in plain noise neighbouring swings
 Source: Miao and Seborg 1999, Control Eng. Practice 7:73 (the ratio and its limit). Ours: which maxima, and the band.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.correlogram import correlogram
 from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
-from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Params", "decay_ratio", "find"]
-
-Values = npt.NDArray[np.float64]
-
-CARD = Card(
-    name="miao_seborg",
-    title="Decay ratio of the ACF",
-    source="Miao and Seborg 1999, Control Eng. Practice 7:73",
-    signals=("SP", "PV"),
+CARD = replace(
+    GATE_CARD,
+    name="miao_seborg", title="Decay ratio of the ACF", source="Miao and Seborg 1999, Control Eng. Practice 7:73",
     assumes=("one dominant period",),
     finds="whether an oscillation lasts (R near 1) or is well damped (R near 0)",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    index=(0.0, 1.0), cost="O(n log n)",
     pros=("separates sustained from damped", "noise stands at lag 0 only"),
     cons=("several periods mix", "a drift hides the crossings of the ACF"),
-    cost="O(n log n)",
-    kind="gate",
-)
+)  # fmt: skip
 LOBES = 5  # between the crossings of the ACF: two maxima and three minima, or the other way round
 
 

@@ -1,23 +1,18 @@
 """A record cut into the pieces that can be read without a break, and whether the longest of them oscillates."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.health import conditions
 from stickslip.detect.oscillation import acf_crossings as oscillation
 from stickslip.detect.oscillation.gate import Gate
 from stickslip.detect.signals.gaps import Gap, bridgeable, describe, gaps_in, split, taken
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Pieces", "pieces_of", "run_in"]
-
-Values = npt.NDArray[np.float64]
 NEAR_SHARE = 0.1  # of the swing of e, beyond which it has not come to where it stays
 Piece = tuple[Values, Values]
 
@@ -26,12 +21,9 @@ Piece = tuple[Values, Values]
 class Pieces:
     """The pieces of a record, in order of time.
 
-    all : tuple of (t, e)
-        Times [s] and control error [unit of PV] of each piece, (n,); -PV stands for e without SP.
-    gate : Gate
-        The oscillation test of the longest piece.
-    notes : tuple of str
-        What was bridged and what cuts the record: where and how long, without full stops.
+    all : tuple of (t, e); times [s] and control error [unit of PV] of each piece, (n,); -PV stands for e without SP
+    gate : the oscillation test of the longest piece
+    notes : what was bridged and what cuts the record: where and how long, without full stops
     """
 
     all: tuple[Piece, ...]

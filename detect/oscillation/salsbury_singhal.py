@@ -11,40 +11,28 @@ Source: Salsbury and Singhal 2005, American Control Conference. The limit of zet
 as are the estimation by autocorrelation and the band that its first swings must leave.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.correlogram import correlogram
 from stickslip.detect.oscillation.even import CYCLES_MIN, acf, regularity
-from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Mode", "Params", "find", "mode"]
-
-Values = npt.NDArray[np.float64]
-
-CARD = Card(
-    name="salsbury_singhal",
-    title="Poles of an ARMA model",
+CARD = replace(
+    GATE_CARD,
+    name="salsbury_singhal", title="Poles of an ARMA model",
     source="Salsbury and Singhal 2005, American Control Conference",
-    signals=("SP", "PV"),
     assumes=("one dominant period", "a wave near a sine"),
     finds="damping and period of the mode behind the wave",
-    index=(0.0, 1.0),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    index=(0.0, 1.0), cost="O(n log n)",
     pros=("a damping that engineers know", "short records"),
     cons=("one mode only", "strong harmonics bias the damping", "the limit is a matter of choice"),
-    cost="O(n log n)",
-    kind="gate",
-)
+)  # fmt: skip
 PER_PERIOD = 16
 
 

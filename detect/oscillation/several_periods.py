@@ -15,37 +15,25 @@ Source: J. Process Control 13 (2003) 91; Fisher 1929, Proc. R. Soc. London A 125
 the background, and the rule for harmonics.
 """
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import Even, acf, even, regularity
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate, Stretch
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["CARD", "Params", "find", "find_all"]
-
-Values = npt.NDArray[np.float64]
-
-CARD = Card(
-    name="several_periods",
-    title="Several periods at once",
+CARD = replace(
+    GATE_CARD,
+    name="several_periods", title="Several periods at once",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
-    signals=("SP", "PV"),
     assumes=("periods that last through the record",),
     finds="every oscillation of a loop, its period, amplitude and regularity",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    cost="O(n log n)",
     pros=("mixed periods", "noise of any smooth colour seldom passes"),
     cons=("needs six cycles of each", "a drifting period smears its line"),
-    cost="O(n log n)",
-    kind="gate",
-)
+)  # fmt: skip
 
 LEVELS = 80
 UNSURE = 1.8  # 1.8 standard deviations of the logarithm of a median of few lines, which a Hann window correlates
@@ -55,14 +43,10 @@ UNSURE = 1.8  # 1.8 standard deviations of the logarithm of a median of few line
 class Params:
     """Settings.
 
-    alpha : float
-        Chance that noise passes the test of peaks [-].
-    regularity_min : float
-        Least r [-], of the paper.
-    cycles_min, samples_min : float
-        Fewest cycles in the record, fewest samples a period.
-    most : int
-        Largest number of oscillations to find.
+    alpha : chance that noise passes the test of peaks [-]
+    regularity_min : least r [-], of the paper
+    cycles_min, samples_min : fewest cycles in the record, fewest samples a period
+    most : largest number of oscillations to find
     """
 
     alpha: float = 0.001

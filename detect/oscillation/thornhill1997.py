@@ -9,49 +9,35 @@ crossings of its own, hence the band of hysteresis, and the ACF (``acf_crossings
 Source: Control Eng. Practice 5 (1997) 1343. Ours: the band, and a tolerated amplitude of half the standard deviation.
 """
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from stickslip.detect.card import Card
 from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
-from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
+from stickslip.detect.oscillation.gate import GATE_CARD, Gate
 from stickslip.detect.oscillation.lobes import lobes
 from stickslip.logs import LoopRecord
 
-__all__ = ["CARD", "Params", "find"]
-
-CARD = Card(
-    name="thornhill1997",
-    title="Regularity of IAE crossings",
+CARD = replace(
+    GATE_CARD,
+    name="thornhill1997", title="Regularity of IAE crossings",
     source="Thornhill and Hagglund 1997, Control Eng. Practice 5:1343",
-    signals=("SP", "PV"),
     assumes=("e is centred on zero", "one dominant period"),
     finds="whether half periods are of equal length and large enough",
-    index=(0.0, REGULARITY_MAX),
-    process=("self_regulating", "integrating"),
-    streams="no",
+    cost="O(n)",
     pros=("in time, no spectrum", "checks every half period"),
     cons=("noise adds crossings", "drift takes them away", "one period only"),
-    cost="O(n)",
-    kind="gate",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Params:
     """Settings.
 
-    regularity_min : float
-        Least r [-], of the paper.
-    band : float
-        Hysteresis about zero [standard deviations].
-    tolerated : float
-        Amplitude a below which a half period does not count [standard deviations].
-    share : float
-        Least share of half periods that count [-].
+    regularity_min : least r [-], of the paper
+    band : hysteresis about zero [standard deviations]
+    tolerated : amplitude a below which a half period does not count [standard deviations]
+    share : least share of half periods that count [-]
     """
 
     regularity_min: float = 1.0

@@ -15,18 +15,13 @@ A lag between the stem and another tag does so, too; hence a gain is an order to
 Idea and limits are ours; the stick is that of ``stem.stick``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.stick import stick
+from stickslip.logs.arrays import Values
 
-__all__ = ["Answer", "answer_of", "without_line"]
-
-Values = npt.NDArray[np.float64]
 FOLLOWS_R2 = 0.98  # R2 of a tag with OP itself, from which on the valve is seen to answer
 S_MIN_PERCENT = 1.0  # % of OP span: a smaller band is worth no work on a valve
 SKIP_SHARE = 0.2  # of the log, until the stem's place no longer depends on where it stood at first

@@ -13,20 +13,15 @@ their power spectra); the rule here is the plain one of a common peak (Jiang, Ch
 spectral envelope).  Both limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.oscillation import acf_crossings
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["Spectra", "Together", "groups", "spectra"]
-
-Values = npt.NDArray[np.float64]
 CYCLES_MIN = 3.0  # fewest in the log: below, a drift is as good an answer
 LINE_SHARE = 0.30  # of the variance, that a tag's own line must hold
 COMMON_SHARE = 0.25  # of the variance, that a tag of the group must have at the common line
@@ -124,7 +119,7 @@ def _period(found: Spectra, power: Values, k: int) -> float:
     return 1.0 / float(found.f[1] * (top + min(max(aside, -0.5), 0.5)))
 
 
-def _regular(found: Spectra, joined: npt.NDArray[np.intp], shares: Values, period: float) -> bool:
+def _regular(found: Spectra, joined: Indices, shares: Values, period: float) -> bool:
     """Whether one of the strongest tags of a group oscillates at its period by its autocorrelation."""
     for i in sorted(joined.tolist(), key=lambda i: -float(shares[i]))[:TRIED]:
         x = found.rows[i]

@@ -21,19 +21,14 @@ Blind where OP travels by more than J in some three samples, and to jumps below 
 The idea and the limits are ours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.plantwide.answers import without_line
 from stickslip.detect.stem.stick import stick
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["Jumps", "Slips", "jumps_of", "owners", "slips_of"]
-
-Values = npt.NDArray[np.float64]
 SIDE_SAMPLES = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
 MAIN, LARGER = 0.3, 0.5  # of the largest jumps of a tag; asked first with ``MAIN``, then of the larger ones alone
@@ -55,7 +50,7 @@ SKIP_SHARE = 0.2  # of the log, until the stem's place no longer depends on wher
 class Jumps(NamedTuple):
     """Where a tag jumps: the sample before each jump (m,), and its size (m,) [unit of the tag]."""
 
-    at: npt.NDArray[np.intp]
+    at: Indices
     size: Values
 
 
@@ -174,7 +169,7 @@ def _stems(S: float) -> tuple[Values, float, Values]:
     return sizes.ravel(), 0.2 * S, starts.ravel()
 
 
-def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: int) -> tuple[float, float]:
+def _timed(op: Values, at: Indices, way: Values, S: float, after: int) -> tuple[float, float]:
     """Return S and half of its range, of those stems of about S that slip when y jumps; (1, inf) where none does."""
     sizes = np.repeat(S * np.linspace(0.85, 1.15, 31), len(SHARES))
     d = np.diff(stick(op, sizes, sizes * np.tile(SHARES, 31)), axis=0)
@@ -216,7 +211,7 @@ def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps])
     ['LC1']
     """
     own: dict[str, Slips] = {}
-    taken: list[tuple[str, npt.NDArray[np.intp]]] = []
+    taken: list[tuple[str, Indices]] = []
     every = ((loop, one) for loop, by_tag in found.items() for one in by_tag.values())
     for loop, one in sorted(every, key=lambda pair: -pair[1].correlation):
         at = jumps[one.tag].at

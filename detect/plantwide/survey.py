@@ -13,31 +13,24 @@ share of harmonics of all, and a lag depends on the dynamics between.  On the si
 ranking, so they are shown as evidence and do not rank.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.plantwide.answers import Answer, answer_of
 from stickslip.detect.plantwide.lines import Spectra, groups, spectra
 from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
 from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT
+from stickslip.detect.verdict import Figure
 from stickslip.detect.words import WORDS, Word
 from stickslip.logs import Log, LogError, LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["SCHEMA", "Group", "Survey", "Suspect", "survey"]
-
 SCHEMA = "stickslip.survey/1"
-Values = npt.NDArray[np.float64]
 POINTS = 3000  # of the grid: more shows no group and no band that fewer hide
 STILL_PERCENT = 1.0  # % of OP span: a loop whose OP moves less feeds no oscillation worth a look
 PLAIN_NATS = math.log(2.0)  # gain from which a band is plain: at most half of what was left is left

@@ -1,15 +1,11 @@
 """Of a record that is logged for less than half of its time, the part in one piece: that can be judged by itself."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
 from stickslip.detect.signals.gaps import bridgeable, split
 from stickslip.logs import LoopRecord
-
-__all__ = ["logged_part"]
 
 LOGGED_SHARE = 0.5  # of the samples; a record with more is judged as it is
 SAMPLES_MIN = 100  # of a piece worth judging

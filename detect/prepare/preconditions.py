@@ -1,17 +1,13 @@
 """May a method look at this record? Its card says what it needs, the prepared record what there is."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
 from stickslip.detect.card import Card
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.oscillation.clock import RATIO_MAX
-from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Grid, Prepared
 from stickslip.detect.verdict import Code, Verdict
-
-__all__ = ["refused"]
 
 ALWAYS: tuple[Code, ...] = (
     "no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive",
@@ -19,11 +15,8 @@ ALWAYS: tuple[Code, ...] = (
 )  # fmt: skip
 OF_PV: tuple[Code, ...] = ("frozen_pv", "not_in_charge", "pv_unresponsive")  # no matter to a method that reads no PV
 BY_NEED: dict[str, Code] = {
-    "constant_sp": "sp_not_constant",
-    "unsaturated": "op_saturated",
-    "fine_pv": "quantised",
-    "raw_pv": "compressed",
-}
+    "constant_sp": "sp_not_constant", "unsaturated": "op_saturated", "fine_pv": "quantised", "raw_pv": "compressed",
+}  # fmt: skip
 
 
 def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdict | None:
@@ -75,6 +68,14 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
         return no("undersampled", f"The period of {loop.period:.4g} s has {per_period:.1f} samples; "
                                   f"{card.samples[0]:g} are needed.")  # fmt: skip
     return _of_cause(card, loop, no)
+
+
+def too_short(card: Card, grid: Grid, samples: int, threshold: float) -> Verdict | None:
+    """The refusal of a piece of fewer than so many samples; None if it has them."""
+    if len(grid) >= samples:
+        return None
+    reason = f"The longest piece has {len(grid)} samples; {samples} are needed."
+    return Verdict.not_applicable(card.name, "too_few_cycles", reason, threshold)
 
 
 def _of_cause(card: Card, loop: Prepared, no: Callable[[Code, str], Verdict]) -> Verdict | None:

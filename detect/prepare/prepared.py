@@ -8,15 +8,12 @@ without phase by a Butterworth filter of order 2 that cuts at ``CUT`` times the 
 Which half waves are accepted, ``half_waves.waves`` says.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.half_waves.cycles import Cycles, Refusal, cut
 from stickslip.detect.half_waves.waves import HalfWave, half_waves_of
 from stickslip.detect.health.causality import causality
@@ -37,20 +34,19 @@ from stickslip.detect.signals.smoothing import moving_average, noise_std
 from stickslip.detect.stem.process_kind import Kind, kind_of_data, kind_of_tag
 from stickslip.detect.stem.recent import recent
 from stickslip.logs import LoopRecord, read_loop
+from stickslip.logs.arrays import Values
 from stickslip.logs.files.frames import frame_kind
 
 if TYPE_CHECKING:
     from stickslip.detect.likelihood.pooled import Evidence
     from stickslip.detect.likelihood.stems import Stems
 
-__all__ = ["CUT", "STEPS_MAX", "Grid", "Prepared", "Signal", "prepared"]
-
-Values = npt.NDArray[np.float64]
 Signal = Literal["OP", "PV", "SP", "E", "MV"]
 
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
 CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
+PERCENT = "% of OP"
 STEPS_MAX = 20_000  # of a grid; of a longer piece the last part is looked at
 
 
@@ -61,8 +57,7 @@ class Grid:
     t : (n,) [s], every ``dt`` [s]
     op, pv, e : (n,), unit of the record; e = SP - PV, or mean(PV) - PV without SP
     sp, mv : (n,) or None
-    drawn : float
-        Share of the grid's points that lie inside a bridged gap [-].
+    drawn : share of the grid's points that lie inside a bridged gap [-]
     """
 
     t: Values
@@ -94,7 +89,7 @@ class Prepared(RecordSignals):
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
 
     @cached_property
-    def with_stale(self) -> Prepared:
+    def with_stale(self) -> "Prepared":
         """The same loop with its stale samples as they were logged, for what sorts them out itself."""
         return self if self.record is self._logged else Prepared(self._logged, stale_masked=False)
 
@@ -113,7 +108,7 @@ class Prepared(RecordSignals):
         return causality(grid.op, grid.pv, grid.e, self.period / grid.dt, dt=grid.dt)
 
     @cached_property
-    def stems(self) -> Stems | None:
+    def stems(self) -> "Stems | None":
         """The record ready for the likelihood of stems, in % of OP where its span is known; None where too little is.
 
         Stale samples are as they were logged: the likelihood leaves them out itself.
@@ -125,7 +120,7 @@ class Prepared(RecordSignals):
         return stems_of(grid.op if percent is None else percent * grid.op, grid.pv) if len(grid) else None
 
     @cached_property
-    def dead_travel(self) -> Evidence | None:
+    def dead_travel(self) -> "Evidence | None":
         """What the record says of dead travel of its valve; None where too little of it moves or is left."""
         from stickslip.detect.likelihood.pooled import evidence_of
 
@@ -249,8 +244,6 @@ class Prepared(RecordSignals):
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
         record = self.record
-        from stickslip.detect.signals.kernels import last_before
-
         inside = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, side="right")))
         good = record.good[inside]
         kept = slice(None) if good.all() else good
@@ -259,8 +252,7 @@ class Prepared(RecordSignals):
         t = np.linspace(start, end, max(n, 2))
         dt = float(t[1] - t[0])
         even = len(at) == len(t) and bool((at == t).all())
-        last = np.empty(len(t), dtype=np.intp)
-        last_before(at, t, 1e-6 * dt, last)
+        last = np.maximum(np.searchsorted(at, t + 1e-6 * dt, side="right") - 1, 0)
 
         def held(x: Values | None) -> Values | None:
             return None if x is None else x[inside][kept] if even else x[inside][kept][last]
@@ -291,6 +283,12 @@ class Prepared(RecordSignals):
         """An amount in the unit of OP as % of its span; None where the span is unknown."""
         span = self.record.op_span
         return None if span is None else 100.0 * amount / (span[1] - span[0])
+
+    @property
+    def op_unit(self) -> tuple[float, str]:
+        """What an amount in the unit of OP is multiplied by where it is shown, and the unit that it then has."""
+        percent = self.op_percent(1.0)
+        return (1.0, "in the unit of OP") if percent is None else (percent, PERCENT)
 
     # --- waves ------------------------------------------------------------------------------------------------
     def wave(self, name: Signal, cut_at: float = CUT) -> Values:

@@ -11,19 +11,14 @@ Where PV stands for the place of the valve, W is the travel of OP from slip to s
 the valve slips, say by o: then W = S - o and R = S + o, hence S.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.prepare.whole_cycles import averaged, means_between, whole_cycles
+from stickslip.logs.arrays import Values
 
-__all__ = ["SMOOTHED_AT", "Loops", "loops", "roundness", "tilt"]
-
-Values = npt.NDArray[np.float64]
 POINTS = 64
 SMOOTHED_AT = 8.0  # times the frequency of the oscillation: corners need the higher harmonics, the means bear the noise
 

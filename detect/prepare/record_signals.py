@@ -1,12 +1,7 @@
 """The signals of a prepared loop under the names of its record: a method may be a function of a record alone."""
 
-import numpy as np
-import numpy.typing as npt
 from stickslip.logs import LoopRecord
-
-__all__ = ["RecordSignals"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class RecordSignals:

@@ -1,16 +1,10 @@
 """The signal that stands for the stem: MV where it is logged and moves, else PV, which only a flow loop allows."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Grid
-
-__all__ = ["stem_signal"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def stem_signal(grid: Grid) -> tuple[Literal["MV", "PV"], Values]:

@@ -1,18 +1,12 @@
 """Whole cycles of an oscillation, each on the same number of points, for the methods that name the shape of a cycle."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Prepared, Signal
-
-__all__ = ["WholeCycles", "averaged", "means_between", "whole_cycles"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class WholeCycles(NamedTuple):
@@ -25,12 +19,7 @@ class WholeCycles(NamedTuple):
 
 
 def whole_cycles(
-    loop: Prepared,
-    signal: Signal,
-    points: int = 64,
-    most: int = 400,
-    cut_at: float = 0.0,
-    even_halves: bool = False,
+    loop: Prepared, signal: Signal, points: int = 64, most: int = 400, cut_at: float = 0.0, even_halves: bool = False
 ) -> WholeCycles:
     """At most ``most`` cycles of a signal, evenly spread, from a crossing upwards to the next.
 

@@ -1,17 +1,12 @@
 """Interval of a number that is worked out from means over half waves or cycles, by weighing them anew."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.order import percentiles
+from stickslip.logs.arrays import Values
 
-__all__ = ["interval"]
-
-Values = npt.NDArray[np.float64]
 DRAWN = 256  # half waves whose weights are drawn at least
 
 

@@ -1,13 +1,7 @@
 """When a signal changes sign for good, whatever noise does to it in between."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["crossings"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def crossings(t: Values, x: Values, band: float | Values = 0.0) -> Values:

@@ -1,15 +1,11 @@
 """A record of several days cut by the clock, so that each day can be judged by itself and all of them together."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 from stickslip.logs import LogError, LoopRecord
-
-__all__ = ["CYCLES_MIN", "DAY_S", "SAMPLES_MIN", "WINDOWS_MAX", "days_of", "edges_of_days", "part_of"]
 
 DAY_S = 86400.0  # s
 WINDOWS_MAX = 12  # windows
@@ -32,7 +28,9 @@ def edges_of_days(record: LoopRecord, most: int = WINDOWS_MAX, period: float = m
         return [], 0
     least = max(SAMPLES_MIN * float(record.dt), CYCLES_MIN * period if math.isfinite(period) else 0.0)
     days = max(math.ceil((span / DAY_S + 1.0) / most), math.ceil(least / DAY_S))
-    midnight = t0 if record.log.start is None else t0 - (_since_midnight(record) + t0) % DAY_S
+    start = record.log.start
+    since = -t0 if start is None else (start - start.replace(hour=0, minute=0, second=0, microsecond=0)).total_seconds()
+    midnight = t0 - (since + t0) % DAY_S
     edges = np.arange(midnight, t1 + DAY_S * days, DAY_S * days)
     if edges[-1] < t1:
         edges = np.append(edges, edges[-1] + DAY_S * days)
@@ -59,9 +57,3 @@ def days_of(record: LoopRecord, period: float = math.nan) -> list[LoopRecord]:
     edges, _ = edges_of_days(record, period=period)
     parts = [part_of(record, a, b, last=b == edges[-1]) for a, b in itertools.pairwise(edges)]
     return [part for part in parts if part is not None and len(part) >= SAMPLES_MIN]
-
-
-def _since_midnight(record: LoopRecord) -> float:
-    start = record.log.start
-    assert start is not None
-    return start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond * 1e-6

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
-Values = NDArray[np.float64]
 EDGE_SAMPLES = 9  # samples mirrored at each end
 
 

@@ -5,8 +5,6 @@ they are more than five median steps apart. It is bridged when it is at most a t
 sample: over a tenth of a period a straight line misses a sine by at most 1 - cos(pi / 10) = 5 % of its amplitude.
 """
 
-from __future__ import annotations
-
 from bisect import bisect
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,8 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from stickslip.logs import LoopRecord
-
-__all__ = ["SINGLE_STEPS", "Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split", "taken"]
 
 BRIDGED_SHARE = 0.1  # of a period
 GAP_STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as ``LoopRecord.segments``

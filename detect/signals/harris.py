@@ -14,16 +14,11 @@ Fedenczuk 1999, J. Process Control 9:109 (horizon). Ours: the order of the AR mo
 up to ``ORDER``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Values
 
-__all__ = ["ORDER", "Harris", "harris"]
-
-Values = npt.NDArray[np.float64]
 ORDER = 30  # Desborough and Harris take 5 to 30
 
 

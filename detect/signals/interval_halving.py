@@ -10,17 +10,12 @@ Source: Dash, Maurya, Venkatasubramanian and Rengaswamy 2004, AIChE J. 50:149; t
 Rengaswamy, Hagglund and Venkatasubramanian 2001, Eng. Appl. Artif. Intell. 14:23.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Values
 
-__all__ = ["Piece", "primitives"]
-
-Values = npt.NDArray[np.float64]
 NAMES = {(0, 0): "A", (1, 1): "B", (1, 0): "C", (1, -1): "D", (-1, 1): "E", (-1, 0): "F", (-1, -1): "G"}
 SHORTEST = 4  # samples, one more than a parabola has coefficients
 
@@ -65,7 +60,7 @@ def primitives(y: Values, noise: float, significance: float = 0.05) -> tuple[Pie
     while start < n:
         length = n - start
         if length < SHORTEST:
-            found.append(_with_last(found, start, n))
+            found.append(Piece(start, n, found[-1].name if found else "A"))
             break
         while True:
             part = y[start : start + length]
@@ -77,10 +72,6 @@ def primitives(y: Values, noise: float, significance: float = 0.05) -> tuple[Pie
         found.extend(_named(a, start, length, noise))
         start += length
     return _merged(found)
-
-
-def _with_last(found: list[Piece], start: int, stop: int) -> Piece:
-    return Piece(start, stop, found[-1].name if found else "A")
 
 
 def _fit(y: Values, noise: float, significance: float) -> Values | None:

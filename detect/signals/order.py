@@ -1,13 +1,7 @@
 """Percentiles by partition: what ``numpy.percentile`` and ``numpy.median`` give, without their rounds of checks."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["median_step", "percentile", "percentiles"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def percentiles(x: Values, *percents: float) -> list[float]:
@@ -26,11 +20,7 @@ def percentiles(x: Values, *percents: float) -> list[float]:
 
 def percentile(x: Values, percent: float) -> float:
     """One of ``percentiles``."""
-    place = 0.01 * percent * (len(x) - 1)
-    low = min(int(place), max(len(x) - 2, 0))
-    high = min(low + 1, len(x) - 1)
-    y = np.partition(x, (low, high))
-    return float(y[low] + (y[high] - y[low]) * (place - low))
+    return percentiles(x, percent)[0]
 
 
 def median_step(t: Values) -> float:

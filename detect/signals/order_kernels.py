@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from stickslip.logs.compiled import njit
 
-__all__ = ["count_before", "count_until", "median", "median_step"]
-
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def count_before(t: Any, when: float) -> int:

@@ -26,19 +26,14 @@ moving average of ``area_ratio`` does as well (its page has the table), so that 
 True
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.smoothing import noise_std
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["Params", "State", "Trend", "estimate", "filter", "init", "log_likelihood", "smooth", "update"]
-
-Values = npt.NDArray[np.float64]
 _H = np.array([[1.0, 0.0]])
 
 
@@ -46,11 +41,9 @@ _H = np.array([[1.0, 0.0]])
 class Params:
     """Noise of the measurement and liveliness of the signal.
 
-    noise_std : float
-        Standard deviation of the measurement noise, sqrt(r) [unit].
-    q : float
-        Intensity of the slope's random walk [unit^2/s^3]. The filter follows the signal up to about
-        (q / (r h))^(1/4) rad/s, h being the sampling interval.
+    noise_std : standard deviation of the measurement noise, sqrt(r) [unit]
+    q : intensity of the slope's random walk [unit^2/s^3]. The filter follows the signal up to about (q / (r h))^(1/4)
+        rad/s, h being the sampling interval.
     """
 
     noise_std: float
@@ -191,10 +184,10 @@ def _run(p: Params, t: Values, z: Values) -> list[State]:
     return states
 
 
-def _started(states: list[State]) -> npt.NDArray[np.bool_]:
+def _started(states: list[State]) -> Mask:
     return np.array([not math.isnan(s.t) for s in states])
 
 
-def _trend(x: Values, P: Values, seen: npt.NDArray[np.bool_]) -> Trend:
+def _trend(x: Values, P: Values, seen: Mask) -> Trend:
     level, slope = np.where(seen, x[:, 0], np.nan), np.where(seen, x[:, 1], np.nan)
     return Trend(level, slope, np.where(seen, np.sqrt(np.maximum(P[:, 0, 0], 0.0)), np.nan))

@@ -5,16 +5,10 @@ area under them is averaged over a window centred on each sample. It therefore n
 phase, and one rule serves logs of any sampling.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["moving_average", "noise_std"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "hold"] = "shrink") -> Values:

@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.detect.signals.order_kernels import median
 from stickslip.logs.compiled import njit
 
-__all__ = ["averages", "noise"]
-
 EVEN = 1e-9  # of a step, by which the steps of an even clock may differ
 WHITE = 0.6744897501960817  # median of |x| over the standard deviation, of white noise
 

@@ -9,14 +9,8 @@ Source: Theiler et al. 1992, Physica D 58:77; end matching as in Thornhill 2005,
 13:434.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["end_matched", "phase_randomised"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def end_matched(x: Values, period: float, room: float = 1.5) -> slice:

@@ -1,14 +1,10 @@
 """How far a signal swings."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["amplitude"]
+from stickslip.logs.arrays import Values
 
 
-def amplitude(values: npt.NDArray[np.float64]) -> float | None:
+def amplitude(values: Values) -> float | None:
     """Half of the width that holds 90 % of ``values`` (n,), in their unit; None for fewer than two known ones.
 
     A sine of amplitude A gives 0.988 A, a square wave A, and one wild value among a thousand changes nothing.

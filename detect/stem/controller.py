@@ -1,13 +1,7 @@
 """The sign of the process's gain, from the controller: in a stable loop both gains have the same sign."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["controller_sign"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def controller_sign(op: Values, e: Values) -> float:

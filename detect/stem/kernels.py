@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from stickslip.logs.compiled import njit
 
-__all__ = ["best_delays", "he_stems", "kano_stems", "lagged", "polygons", "sticks"]
-
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _follow(

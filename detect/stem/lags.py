@@ -9,18 +9,13 @@ integrating process has the integral of x in the place of x.  The slow load is a
 integrates, and cosines too slow for the swing.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.nonnegative import nonnegative
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["Lags", "Response"]
-
-Values = npt.NDArray[np.float64]
 REACH = 4.0  # of the time between turns: how long the response may be
 WIDER = 1.35  # one corner's lag over the last's
 SLOW = 6.0  # of the time between turns: a longer swing is taken for load
@@ -112,7 +107,7 @@ class Lags:
         return np.asarray(self.y - self.sign * self._freed(explained))
 
 
-def _spread(n: int, rows: int | None) -> npt.NDArray[np.intp]:
+def _spread(n: int, rows: int | None) -> Indices:
     """So many samples of n, in order: one at random of each of as many stretches, the same at every call."""
     if rows is None or rows >= n:
         return np.arange(n)

@@ -24,19 +24,14 @@ Control Eng. Practice 17:387 (EARMAX); Ljung 1999, System Identification. Ours: 
 the moving average in the place of an integrated noise.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.filters import first_order
+from stickslip.logs.arrays import Values
 
-__all__ = ["Bank", "Fit", "Linear", "Process", "bank", "fit", "near_by"]
-
-Values = npt.NDArray[np.float64]
 Linear = Literal["oe1", "oe2", "armax", "eoe", "earmax"]
 
 NOISE_ZEROS = (0.5, 0.8, 0.95)  # c of ARMAX; c = a would be output error, c = 0 plain ARX
@@ -113,7 +108,9 @@ def fit(x: Values, y: Values, period: float, model: Linear, tried: Bank) -> Fit:
     for pair in tried.pairs:
         through = _through(x, *pair, period, model)
         for zero in NOISE_ZEROS if "armax" in model else (None,):
-            white = _whitened(np.vstack([through, target]), pair[0], zero)
+            white = np.vstack([through, target])
+            if zero is not None:
+                white = first_order(white, 1.0, -math.exp(-1.0 / pair[0]), -zero)
             delay, gain, cost = _best_delays(white[:-1], white[-1], start, end, tried)
             better = np.flatnonzero(cost < best)
             best[better] = cost[better]
@@ -169,9 +166,3 @@ def _width(n: int, period: float, model: Linear) -> int:
     """Samples of the moving average that an extended model takes off n; 0 for the others."""
     width = 2 * round(period) + 1
     return width if _slow(model) and n > width else 0
-
-
-def _whitened(x: Values, tau: float, zero: float | None) -> Values:
-    if zero is None:
-        return x
-    return first_order(x, 1.0, -math.exp(-1.0 / tau), -zero)

@@ -7,15 +7,10 @@ takes away that it goes with OP; it is never a whole number of periods.  An inde
 on its twins says nothing of the valve: a lag between two waves makes it as well.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.lags import Lags
+from stickslip.logs.arrays import Values
 
-__all__ = ["linear_twins"]
-
-Values = npt.NDArray[np.float64]
 SHIFTS = ((0.23, 0.3), (0.41, 0.43), (0.59, 0.57), (0.77, 0.7))  # of the record, and beyond whole periods of a period
 
 

@@ -8,12 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.stem_noise import rounding
+from stickslip.logs.arrays import Indices, Values
 
-__all__ = ["LATEST", "Stem", "band", "stem"]
-
-Values = npt.NDArray[np.float64]
 LATEST = 3  # samples that the stem may be late, at most
 SLIP_SAMPLES = 4  # samples that a slip may last
 PACED_SHARE = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps cannot be separated from that
@@ -37,8 +34,8 @@ class Stem(NamedTuple):
     step: float
     S_each: Values
     J_each: Values
-    first: npt.NDArray[np.intp]
-    last: npt.NDArray[np.intp]
+    first: Indices
+    last: Indices
 
 
 def stem(
@@ -83,7 +80,7 @@ def band(u: Values, mv: Values) -> float:
     return least
 
 
-def _stands(mv: Values, within: float) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def _stands(mv: Values, within: float) -> tuple[Indices, Indices]:
     """First and last sample of every stand of three samples or more: MV stays ``within`` of its mean so far."""
     first, last = [], []
     start, mean = 0, float(mv[0])
@@ -98,7 +95,7 @@ def _stands(mv: Values, within: float) -> tuple[npt.NDArray[np.intp], npt.NDArra
     return np.array(first, dtype=np.intp), np.array(last, dtype=np.intp)
 
 
-def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[np.intp], lag: int) -> Stem:
+def _read(u: Values, mv: Values, first: Indices, last: Indices, lag: int) -> Stem:
     """S, J and the positioner from the stands, those at the ends of the record left out."""
     inside = (first > 0) & (last + 1 < len(mv))
     first, last = first[inside], last[inside]
@@ -125,7 +122,7 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
     )  # fmt: skip
 
 
-def _slips(u: Values, mv: Values, rest: Values, level: Values, last: npt.NDArray[np.intp], S: float) -> Values:
+def _slips(u: Values, mv: Values, rest: Values, level: Values, last: Indices, S: float) -> Values:
     """J of every stand (r,) [unit of u]: how much further than OP beyond S the stem goes in ``SLIP_SAMPLES`` samples.
 
     Without a jump the stem keeps S behind OP from the first of them on; air and mass make a slip last for several.

@@ -6,14 +6,9 @@ Source: Lawson and Hanson, Solving least squares problems, 1974; of the normal e
 takes a quarter of a second to load, a tenth of a whole answer.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
+from stickslip.logs.arrays import Mask, Values
 
-__all__ = ["nonnegative"]
-
-Values = npt.NDArray[np.float64]
 ROUNDING = 1e-13  # of the largest b: a smaller slope is none
 
 
@@ -38,7 +33,7 @@ def nonnegative(gram: Values, product: Values, like: Values | None = None) -> Va
     return weights
 
 
-def _inside(gram: Values, product: Values, free: npt.NDArray[np.bool_], weights: Values) -> Values:
+def _inside(gram: Values, product: Values, free: Mask, weights: Values) -> Values:
     """The best weights of those that are free, from ``weights`` on; one that would fall below 0 is free no longer."""
     while True:
         at = np.flatnonzero(free)

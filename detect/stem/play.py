@@ -5,20 +5,15 @@ best.  What S, J and start are good for is only ever judged by the same response
 Two more rivals have that freedom too: a play, which has no slip jump, and a wave of constant period from outside.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.lags import Lags, Response
 from stickslip.detect.stem.stick import stick, turns
+from stickslip.logs.arrays import Values
 
-__all__ = ["Candidate", "Fit", "fit", "interval", "travel_of"]
-
-Values = npt.NDArray[np.float64]
 Candidate = tuple[float, float, float]  # S, J / S, start
 SIZES = (0.06, 0.1, 0.15, 0.22, 0.3, 0.38, 0.46, 0.54, 0.62, 0.7, 0.77, 0.83, 0.88, 0.93, 0.97)  # S over OP's travel
 JUMPS = (0.0, 0.35, 0.7, 1.0)  # J over S
@@ -69,10 +64,8 @@ def fit(
 ) -> Fit:
     """Fit y (n,) by u (n,) with and without a sticky valve; ``turn`` [samples] is the time between two turns of u.
 
-    kinds : sequence of bool
-        Whether the process integrates; of two kinds the one that tells more of y is taken.
-    wave : float, optional
-        Period of the oscillation [samples]; by default two turns.
+    kinds : sequence of bool; whether the process integrates; of two kinds the one that tells more of y is taken
+    wave : float, optional; period of the oscillation [samples]; by default two turns
 
     >>> t = np.arange(600.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)

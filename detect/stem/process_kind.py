@@ -8,21 +8,16 @@ the other's sum of squares and tells 0.8 of PV.  At a constant set point a wave 
 not the process, and nothing is inferred: of 75 simulated loops that it decided 11 came out wrong.  The limits are ours.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.lags import Lags
 from stickslip.detect.stem.stick import turn_time
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 
-__all__ = ["Kind", "kind_of_data", "kind_of_tag"]
-
-Values = npt.NDArray[np.float64]
 BETTER = 0.5  # of ln(sum of squares), from which on one kind is taken
 EXPLAINED_SHARE = 0.8  # of PV's variance
 POINTS = 1200

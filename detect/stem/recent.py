@@ -5,17 +5,11 @@ nothing of a stick is seen.  So a long record is not thinned but cut: the last `
 times as many and so on, until OP turns ``TURNS`` times in them.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.stem.stick import turns
-
-__all__ = ["blocks", "differenced_noise", "recent", "samples_per_period", "samples_per_turn"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 TURN_SHARE = 0.3  # of OP's range: a smaller way back is no turn
 TURNS = 40  # of OP in the part that is looked at

@@ -4,7 +4,5 @@ A control valve shall follow moves of 1 % (EnTech, Control Valve Dynamic Specifi
 follows 0.1 to 0.5 %.
 """
 
-__all__ = ["MUST_MOVE_PERCENT", "NEED_NOT_MOVE_PERCENT"]
-
 NEED_NOT_MOVE_PERCENT = 1.0
 MUST_MOVE_PERCENT = 2.0

@@ -1,16 +1,11 @@
 """The noise on a logged stem position, which slips and slides as well, and the step of a tag that is rounded."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.smoothing import noise_std
+from stickslip.logs.arrays import Values
 
-__all__ = ["rounding", "stem_noise"]
-
-Values = npt.NDArray[np.float64]
 QUIET, QUIET_STEP = 0.25, 0.3186  # share of the steps that a standing stem makes; that quantile of |normal| noise
 # A stem that goes to and fro between two places looks rounded to its jump where these are multiples of it by chance:
 # once in 500 with this limit.

@@ -9,16 +9,11 @@ J = 0 is the play (backlash) of width S.  For every input these are the moves of
 many candidates, compiled (``kernels``).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import numpy.typing as npt
-
-__all__ = ["stick", "turn_time", "turns"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Indices, Values
 
 
 def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayLike = 0.0) -> Values:
@@ -40,7 +35,7 @@ def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayL
     return x[0] if np.ndim(S) == np.ndim(J) == np.ndim(start) == 0 else x.T
 
 
-def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
+def turns(u: Values, travel: float) -> Indices:
     """Where u turns: the extremes that are followed and preceded by a move of more than ``travel``, in order.
 
     >>> turns(np.array([0.0, 5.0, 4.0, 6.0, 1.0, 2.0, 0.0, 7.0]), 3.0).tolist()
@@ -65,7 +60,7 @@ def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
     return np.array(found, dtype=np.intp)
 
 
-def turn_time(u: Values, period: float) -> tuple[npt.NDArray[np.intp], float]:
+def turn_time(u: Values, period: float) -> tuple[Indices, float]:
     """The large turns of u, by more than a quarter of its range, and the time between two turns [samples].
 
     That time is half the period where there is one (``period`` [samples] finite), else the record over its turns.

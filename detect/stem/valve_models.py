@@ -12,16 +12,10 @@ Source: Kano, Maruta, Kugemoto and Shimizu 2004, IFAC DYCOPS; He, Wang, Pottmann
 46:4549. ``blocks/kano_valve.py`` and ``blocks/he_valve.py`` are the same for simulation; detectors load no simulator.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np
-import numpy.typing as npt
-
-__all__ = ["VALVES", "he", "kano"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:

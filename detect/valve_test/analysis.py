@@ -12,25 +12,19 @@ A record without steps and with a logged stem is handed to the method ``stem_pla
 jump off routine moves; moves of OP that stand alone in it (``routine``) tell the step response.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.methods import stem_play
 from stickslip.detect.valve_test.routine import routine_steps
 from stickslip.detect.valve_test.steps import Step, noise_of, steps_of
+from stickslip.detect.verdict import Figure
 from stickslip.logs import LogError, LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["SCHEMA", "Size", "StepResponse", "ValveTest", "analyse"]
 
 SCHEMA = "stickslip.valve-test/1"
 STEPS_MIN = 4
@@ -45,10 +39,8 @@ NO_STEM = "No stem is logged: PV is taken as the answer, so the dynamics of the 
 class Size:
     """A size with its bracket.
 
-    value, low, high : float
-        [% of OP span]
-    count : int
-        Places in the test that it rests on.
+    value, low, high : [% of OP span]
+    count : places in the test that it rests on
     """
 
     value: float
@@ -61,16 +53,11 @@ class Size:
 class StepResponse:
     """The answer to one large step.
 
-    time : float
-        When OP stepped [s].
-    size : float
-        Step of OP [% of span].
-    dead_time, T63, T86 : float or None
-        [s]; None where the answer did not come within the hold.
-    overshoot : float
-        Share of the final change [-].
-    place_before, place_after : float
-        Where the answer rested before and after [its unit].
+    time : when OP stepped [s]
+    size : step of OP [% of span]
+    dead_time, T63, T86 : [s]; None where the answer did not come within the hold
+    overshoot : share of the final change [-]
+    place_before, place_after : where the answer rested before and after [its unit]
     """
 
     time: float
@@ -87,21 +74,12 @@ class StepResponse:
 class ValveTest(Shown):
     """How a valve answers: the result of a step test, or of the routine moves in a record.
 
-    name : str
-    answer : {"MV", "PV"}
-        The signal that was measured: the stem, or PV where no stem is logged.
+    answer : the signal that was measured: the stem, or PV where no stem is logged
     source : {"steps", "routine moves"}
-    deadband, resolution : Size or None
-        None where the record does not show it.
-    slip_jump : Size or None
-        From routine moves only.
-    gain : float or None
-        Change of the answer per % of OP [its unit / %].
-    responses : tuple of StepResponse
-    steps : tuple of Step
-    notes : tuple of str
-        What was assumed, and what the record does not show.
-    record : LoopRecord
+    deadband, resolution : Size or None; None where the record does not show it
+    slip_jump : Size or None; from routine moves only
+    gain : change of the answer per % of OP [its unit / %]
+    notes : what was assumed, and what the record does not show
     """
 
     name: str
@@ -293,7 +271,7 @@ def _gain(steps: tuple[Step, ...]) -> float | None:
     return float(np.median(on)) if on else None
 
 
-def _response(t: npt.NDArray[np.float64], answer: npt.NDArray[np.float64], step: Step, noise: float) -> StepResponse:
+def _response(t: Values, answer: Values, step: Step, noise: float) -> StepResponse:
     part = (answer[step.start : step.stop] - step.place_before) / step.answer
     since = t[step.start : step.stop] - step.time
     band = max(3.0 * noise / abs(step.answer), 0.01)
@@ -302,7 +280,7 @@ def _response(t: npt.NDArray[np.float64], answer: npt.NDArray[np.float64], step:
     return StepResponse(step.time, step.size, dead, sooner, later, overshoot, step.place_before, step.place_after)
 
 
-def _at_once(op: npt.NDArray[np.float64], step: Step) -> bool:
+def _at_once(op: Values, step: Step) -> bool:
     """Whether OP stepped, and did not wander from one hold to the next."""
     return abs(float(op[max(step.start - 3, 0)]) - step.before) <= 0.1 * abs(step.size)
 
@@ -312,7 +290,7 @@ def _median(values: Iterable[float | None]) -> float | None:
     return float(np.median(known)) if known else None
 
 
-def _first(since: npt.NDArray[np.float64], part: npt.NDArray[np.float64], level: float) -> float | None:
+def _first(since: Values, part: Values, level: float) -> float | None:
     """When the answer first reaches a level, on the line between two samples."""
     above = np.flatnonzero(part >= level)
     if len(above) == 0:

@@ -6,15 +6,9 @@ alone    before and after, OP stays within ``STEADY_SHARE`` of the move for ``QU
          ``LONGEST_SAMPLES`` at most
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.valve_test.steps import Step
-
-__all__ = ["routine_steps"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 LEAST_PERCENT = 2.0  # % of OP span: as for the timed steps of a test
 WITHIN_SAMPLES = 2  # samples

@@ -6,19 +6,13 @@ place    mean of the answer over the last half of a hold
 moved    the place changed by more than ``SIGMAS`` standard errors, half its resolution and ``ANSWER_SHARE`` of the step
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.signals.smoothing import noise_std
-
-__all__ = ["Step", "noise_of", "steps_of"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 HOLD_SAMPLES = 5
 SIGMAS = 4.0  # of the difference of two means
@@ -29,15 +23,10 @@ ANSWER_SHARE = 0.05  # of the step of OP times the gain; a smaller answer is dri
 class Step:
     """One step of OP.
 
-    time : float
-        When OP stepped [s].
-    before, after : float
-        OP before and after [% of span].
-    start, stop : int
-        Samples of the hold after the step, ``stop`` not included.
-    place_before, place_after : float
-        Answer before and after [unit of the answer].
-    moved : bool
+    time : when OP stepped [s]
+    before, after : OP before and after [% of span]
+    start, stop : samples of the hold after the step, ``stop`` not included
+    place_before, place_after : answer before and after [unit of the answer]
     """
 
     time: float

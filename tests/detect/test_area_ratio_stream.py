@@ -9,13 +9,15 @@ from stickslip.detect import stream
 from stickslip.detect.methods import area_ratio
 from stickslip.detect.methods.area_ratio import Params, detect
 
+from tests.detect.one_by_one import replay
+
 
 @pytest.mark.parametrize("kind", ["sine", "exponential"])
 def test_stream_equals_batch_within_one_block(wave, loop, kind):
     t = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 1500))
     record = loop(t, wave(kind, t) + 0.1 * np.random.default_rng(1).normal(size=1500))
     p = Params()
-    twin = area_ratio.verdict(p, stream.replay(area_ratio, record, p))
+    twin = area_ratio.verdict(p, replay(area_ratio, record, p))
     assert twin.to_dict() == detect(record, p).to_dict()
 
 
@@ -27,7 +29,7 @@ def test_stream_meets_the_bound_of_the_card(wave, loop, kind, noise, seed):
     t = np.arange(9000.0)
     record = loop(t, wave(kind, t, 50.15, rng.uniform()) + noise * rng.normal(size=9000))
     p = Params(block=1024)
-    twin, batch = area_ratio.verdict(p, stream.replay(area_ratio, record, p)), detect(record, p)
+    twin, batch = area_ratio.verdict(p, replay(area_ratio, record, p)), detect(record, p)
     assert twin.verdict == batch.verdict
     assert twin.index == pytest.approx(batch.index, rel=area_ratio.CARD.stream_bound)
 
@@ -35,7 +37,7 @@ def test_stream_meets_the_bound_of_the_card(wave, loop, kind, noise, seed):
 def test_no_half_cycle_is_lost_or_counted_twice(wave, loop):
     t = np.arange(6000.0)
     p = Params(block=512)
-    state = stream.replay(area_ratio, loop(t, wave("exponential", t, 50.15)), p)
+    state = replay(area_ratio, loop(t, wave("exponential", t, 50.15)), p)
     found = [*state.half_cycles]
     assert len(found) > 200
     for a, b in itertools.pairwise(found):
@@ -45,7 +47,7 @@ def test_no_half_cycle_is_lost_or_counted_twice(wave, loop):
 def test_memory_is_bounded(wave, loop):
     t = np.arange(8000.0)
     p = Params(block=256, half_cycles_max=40)
-    state = stream.replay(area_ratio, loop(t, wave("sine", t)), p)
+    state = replay(area_ratio, loop(t, wave("sine", t)), p)
     assert len(state.buffer) < p.block
     assert len(state.half_cycles) <= p.half_cycles_max
 
@@ -54,7 +56,7 @@ def test_stream_forgets_an_oscillation_that_stopped(wave, loop):
     t = np.arange(4000.0)
     e = np.where(t < 2000, wave("exponential", t, 50.15), 0) + 0.05 * np.random.default_rng(0).normal(size=4000)
     p = Params(block=512)
-    v = area_ratio.verdict(p, stream.replay(area_ratio, loop(t, e), p))
+    v = area_ratio.verdict(p, replay(area_ratio, loop(t, e), p))
     assert v.code == "no_oscillation"
 
 

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 import stickslip.detect.methods
 import stickslip.detect.oscillation
-from stickslip.detect import GATES, METHODS, stream
+from stickslip.detect import GATES, METHODS
 from stickslip.detect.window_twin import WINDOW, twin_of
 from stickslip.logs import LoopRecord
+
+from tests.detect.one_by_one import replay
 
 # The loop in which a method can see a sticky valve at all, where its card asks for a special one.
 SEEN_IN = {
@@ -146,7 +148,7 @@ def test_stream_agrees_with_batch(method, sticky):
         pytest.skip("does not stream")
     record = replace(seen(sticky, method, method.CARD.process[0], noise=0.1, n=6000), mv_name=None)  # no stream has it
     p, twin = method.Params(), twin_of(method)
-    said = twin.verdict(p, stream.replay(twin, record, p))
+    said = twin.verdict(p, replay(twin, record, p))
     if method.CARD.streams == "window":  # that of batch on the last samples
         record = last_of(record, WINDOW // 2 + (len(record) - WINDOW) % (WINDOW // 2))
     batch = method.detect(record, p)
@@ -169,7 +171,7 @@ def test_a_stream_never_accuses_noise_or_a_sine(method, loop, wave):
         pytest.skip("does not stream")
     p, twin, t = method.Params(), twin_of(method), np.arange(4500.0)
     for e in (np.random.default_rng(5).normal(size=4500), wave("sine", t, 47.0) + 0.1 * noise(1).repeat(5)[:4500]):
-        assert twin.verdict(p, stream.replay(twin, loop(t, e), p)).verdict != "stiction"
+        assert twin.verdict(p, replay(twin, loop(t, e), p)).verdict != "stiction"
 
 
 @by_name

@@ -9,6 +9,8 @@ from stickslip.detect.methods import hagglund2011
 from stickslip.detect.methods.hagglund2011 import Params, detect, measure
 from stickslip.logs import LoopRecord
 
+from tests.detect.one_by_one import replay
+
 
 def continuum(shape, m=4000):
     x = (np.arange(m) + 0.5) / m
@@ -101,7 +103,7 @@ def awkward(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_stream_finds_the_half_waves_of_the_batch(seed):
     record, p = awkward(seed), Params()
-    state = stream.replay(hagglund2011, record, p)
+    state = replay(hagglund2011, record, p)
     batch, twin = detect(record, p), hagglund2011.verdict(p, state)
     assert sum(half.fault != "" for half in state.half_waves) >= 2  # the gaps and the set-point move
     if batch.applicable:

@@ -9,7 +9,9 @@ from stickslip.detect.loop_stream import LoopStream
 from stickslip.detect.methods import area_ratio, cross_correlation, hagglund2011, hammerstein, harmonics
 from stickslip.detect.pool import Pool, joined
 from stickslip.detect.prepare.prepared import Prepared
-from stickslip.detect.stream import LoopFacts, Sample, replay
+from stickslip.detect.stream import LoopFacts, Sample
+
+from tests.detect.one_by_one import replay
 
 
 def fed(record, **more):

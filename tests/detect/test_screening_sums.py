@@ -8,17 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stickslip.detect.half_waves.cycles import Params
-from stickslip.detect.half_waves.half_cycles import in_pieces, measure
+from stickslip.detect.half_waves.half_cycles import in_pieces
+from stickslip.detect.health.conditions import on_grid
 from stickslip.detect.oscillation import acf_crossings
 from stickslip.detect.oscillation.acf_crossings import significant_crossings
 from stickslip.detect.oscillation.acf_kernels import beat, centred, correlated, levelled, short_beat
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.signals.crossings import crossings
 from stickslip.detect.signals.gaps import split, taken
-from stickslip.detect.signals.kernels import long_stands, longest_stand, on_grid, pair, repeated, spread
+from stickslip.detect.signals.kernels import spread
 from stickslip.detect.signals.order import median_step, percentile, percentiles
+from stickslip.detect.signals.runs import runs, stands
 from stickslip.detect.signals.smoothing import moving_average, noise_std
 from stickslip.logs import LoopRecord
+
+from tests.detect.one_by_one import measure
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60).map(np.array)
 coarse = st.lists(st.integers(0, 2), min_size=2, max_size=200).map(lambda x: np.array(x, dtype=float))
@@ -180,16 +184,11 @@ def test_levelled_is_interpolated_and_without_its_straight_line():
     assert sd == pytest.approx(np.std(expected), rel=1e-9) and largest == np.max(np.abs(x))
 
 
-@given(numbers, numbers)
+@given(numbers)
 @settings(max_examples=80, deadline=None)
-def test_spread_and_pair_are_those_of_numpy(x, y):
-    n = min(len(x), len(y))
-    x, y = x[:n], y[:n]
+def test_spread_is_that_of_numpy(x):
     mean, sd = spread(x)
     assert mean == pytest.approx(np.mean(x), abs=1e-9) and sd == pytest.approx(np.std(x), abs=1e-9)
-    sd_x, sd_y, both = pair(x, y)
-    assert (sd_x, sd_y) == pytest.approx((np.std(x), np.std(y)), abs=1e-9)
-    assert both == pytest.approx(np.mean((x - x.mean()) * (y - y.mean())), abs=1e-6)
 
 
 def test_what_stands_has_a_spread_of_exactly_nothing():
@@ -215,15 +214,11 @@ def test_stands_and_repeats_are_those_counted_by_hand(x, y):
     n = min(len(x), len(y))
     x, y = x[:n], y[:n]
     edges = [0, *(np.flatnonzero(np.diff(x)) + 1).tolist(), n]
-    runs = list(itertools.pairwise(edges))
-    start, length = longest_stand(x)
-    assert length == max(b - a for a, b in runs) and (start, start + length) in runs
-    found = np.empty((n, 2), dtype=np.int64)
-    assert found[: long_stands(x, 3, found)].tolist() == [[a, b] for a, b in runs if b - a >= 3]
-    one, two = x[1:] == x[:-1], y[1:] == y[:-1]
-    both = one & two
-    starts = int(np.count_nonzero(both & ~np.append(False, both[:-1])))
-    assert repeated(x, y) == (int(both.sum()), int(one.sum()), int(two.sum()), starts)
+    first, length = stands(x)
+    assert list(zip(first, first + length, strict=True)) == list(itertools.pairwise(edges))
+    both = (x[1:] == x[:-1]) & (y[1:] == y[:-1])
+    start, end = runs(both)
+    assert len(start) == np.count_nonzero(both & ~np.append(False, both[:-1])) and (end - start).sum() == both.sum()
 
 
 @pytest.mark.parametrize("off, expected", [(0.0, True), (0.09, True), (0.11, False), (1.0, False)])
@@ -231,7 +226,7 @@ def test_a_grid_is_a_grid_while_nine_of_ten_lie_on_it(off, expected):
     rng = np.random.default_rng(4)
     x = 0.25 * rng.integers(0, 40, 1000).astype(float)
     x[1 : 1 + round(off * 999)] += 0.1
-    assert on_grid(x, 0.25, 0.05, 0.9) is expected
+    assert on_grid(x, 0.25) is expected
 
 
 def test_noise_on_an_even_clock_is_that_on_one_that_is_hardly_uneven():

@@ -10,8 +10,6 @@
 Of 290 features of ten families, and later of 60, the first two told loops of unseen physics apart as well as all.
 """
 
-from __future__ import annotations
-
 import math
 
 from stickslip.detect.judge.features.earned import usable
@@ -50,9 +48,6 @@ def features_of(loop: Prepared, view: View) -> dict[str, float]:
         likely = math.log(found.S / (loop.op_percent(travel) or travel))
         share = gain / (gain + HALF_NATS)
     return network_features(view) | {
-        "dead_travel": min(max(gain, -MOST_NATS), MOST_NATS),
-        "likely_S": likely,
-        "likely_share": share,
-        "samples": math.log(view.turn * view.block),
-        "turns": math.log(len(view) / view.turn),
-    }
+        "dead_travel": min(max(gain, -MOST_NATS), MOST_NATS), "likely_S": likely, "likely_share": share,
+        "samples": math.log(view.turn * view.block), "turns": math.log(len(view) / view.turn),
+    }  # fmt: skip

@@ -9,16 +9,10 @@ Both are odd: they change sign if OP and PV do.  Where the stem is right, what i
 it shows when the stem in truth stood still and when it slipped.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.judge.features.channels import LAGS, innovations
 from stickslip.detect.stem.stick import stick
-
-__all__ = ["CANDIDATES", "candidates"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 SHARES = np.array((0.12, 0.22, 0.35, 0.5, 0.7, 0.9))  # S over the travel of OP
 JUMP = 0.7  # J over S

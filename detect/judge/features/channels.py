@@ -8,15 +8,11 @@ Those seven are odd: they change sign if OP and PV do.  Read along the way of OP
 even, and every half cycle looks alike:   r, dy, |w|.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 from stickslip.detect.judge.features.view import View
+from stickslip.logs.arrays import Values
 
-__all__ = ["EVEN", "ODD", "channels", "innovations"]
-
-Values = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 ODD, EVEN = 7, 3
@@ -30,11 +26,13 @@ BACK = 0.1  # of OP's range: a smaller way back is no turn
 
 def channels(v: View) -> tuple[Singles, Singles]:
     """The odd (7, n) and even (3, n) channels."""
+    from stickslip.detect.judge.features.travel_kernels import travelled
+
     u, y, e = (_read(x[:LOOKED_AT], v.turn) for x in (v.u, v.y, v.e))
     r = innovations(u, y)
     r = np.clip(r / max(float(r.std()), 1e-6), -CLIP, CLIP)
     span = float(np.subtract(*np.percentile(u, (99, 1)))) or 1.0
-    w = _travelled(u, BACK * span) / span
+    w = np.asarray(travelled(u, BACK * span)) / span
     du, dy = (_over(np.diff(x, prepend=x[0])) for x in (u, y))
     way = np.where(w >= 0.0, 1.0, -1.0)
     steps, moves = np.clip(dy, -CLIP, CLIP), np.clip(du, -CLIP, CLIP)
@@ -65,9 +63,3 @@ def innovations(u: Values, y: Values) -> Values:
     gram[np.diag_indices(len(gram))] += 1e-6 * np.trace(gram) / len(gram)
     left = y[deep:] - np.linalg.solve(gram, columns @ y[deep:]) @ columns
     return np.concatenate([np.zeros(deep), left])
-
-
-def _travelled(u: Values, back: float) -> Values:
-    from stickslip.detect.judge.features.travel_kernels import travelled
-
-    return np.asarray(travelled(u, back))

@@ -3,12 +3,8 @@
 Clearing needs the evidence to exclude dead travel by itself (``likelihood.pooled``), whatever the model holds probable.
 """
 
-from __future__ import annotations
-
 from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.prepare.prepared import Prepared
-
-__all__ = ["not_earned", "usable"]
 
 # Facts of the data behind which PV tells nothing of the stem.
 DRAWN = ("compressed", "frozen_pv", "pv_unresponsive", "manual_mode", "constant_signal", "signal_missing")

@@ -12,8 +12,6 @@ the whole and of its first and last ``PART``, and of each with the odd channels 
 Fitted on simulated loops that nothing else is fitted on (``stickslip.calibration.network``), run here in plain numpy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,11 +23,6 @@ import numpy.typing as npt
 from stickslip.detect.judge.features.candidates import CANDIDATES, candidates
 from stickslip.detect.judge.features.channels import EVEN, ODD, channels
 from stickslip.detect.judge.features.view import View
-
-__all__ = [
-    "CHANNELS", "FILE", "FLIPPED", "LAYERS", "STICKY", "STRIDE", "Network", "network_features", "one_look", "seen_by",
-    "shipped_network",
-]  # fmt: skip
 
 Singles = npt.NDArray[np.float32]
 FILE = Path(__file__).parents[1] / "network.npz"
@@ -107,7 +100,7 @@ class Network:
         np.savez_compressed(file, kinds=np.array(self.kinds), **halves)
 
     @classmethod
-    def read(cls, file: Path) -> Network:
+    def read(cls, file: Path) -> "Network":
         """The network kept in a file."""
         with np.load(file, allow_pickle=False) as kept:
             weights = {name: kept[name].astype(np.float32) for name in kept.files if name != "kinds"}

@@ -5,8 +5,6 @@ from typing import Any
 import numpy as np
 from stickslip.logs.compiled import njit
 
-__all__ = ["travelled"]
-
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def travelled(u: Any, back: float) -> Any:

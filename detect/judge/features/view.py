@@ -9,20 +9,14 @@ Nothing that is left has a unit: no amplitude, interval, period or offset of the
 Samples at which PV and OP both stand still to the bit are stale collection and are left out where they are many.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.detect.stem.recent import blocks, recent, samples_per_turn
-
-__all__ = ["LONGEST", "View", "view_of"]
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
 POINTS = 900  # beyond these the thinning goes down to COARSE

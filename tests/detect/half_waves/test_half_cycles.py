@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stickslip.detect.half_waves.half_cycles import measure
 from stickslip.detect.signals.crossings import crossings
+
+from tests.detect.one_by_one import measure
 
 
 def ratio(t, x, noise=0.0):
