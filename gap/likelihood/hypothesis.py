@@ -31,6 +31,7 @@ CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 ENDLESS = 2**62
 LATE = 200.0  # nats by which a filter lags behind another, from which on it is given up
+KEPT_BYTES = 2**24  # of slopes: each of some seventy hypotheses keeps its latest filter
 NEVER = np.zeros(0)
 
 
@@ -105,7 +106,8 @@ class Hypothesis(Statement):
         found = Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)),
                             steps=steps_taken(I))  # fmt: skip
         self.latest.clear()
-        self.latest[f.record, f.draws, joined] = found
+        if sum(pool.nbytes for pool in pools) < KEPT_BYTES:
+            self.latest[f.record, f.draws, joined] = found
         return found
 
     def replayed(self, many: "Sequence[Mapping[str, float]]", modes: bool = True) -> "list[Innovations | None]":
