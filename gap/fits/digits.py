@@ -11,7 +11,7 @@ from stickslip.gap.records.given import Held
 from stickslip.gap.records.record import rounding
 
 Floats = NDArray[np.float64]
-APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse
+APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse, or a compression shows
 FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
@@ -83,8 +83,9 @@ def deviation(
 ) -> float | None:
     """Return within what deviation [its unit] a signal was compressed, as runs with fitted noise and loads have it.
 
-    None if such a run stops.
+    None if such a run stops, or if it is so little that the log's own rounding draws such lines.
     """
     values = held.Y[:, held.signals.index(signal)]
     plain = without_gap(held.model.with_params(held.given.settings(fitted)), held.record, 1, seed + 1)
-    return deviation_of(plain[0], effect, place, signal, rounding(values), values) if plain else None
+    found = deviation_of(plain[0], effect, place, signal, rounding(values), values) if plain else 0.0
+    return found if found > APART * rounding(values) else None

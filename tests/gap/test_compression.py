@@ -1,5 +1,6 @@
 """Straight lines that a historian draws, and those that rounding draws."""
 
+import pytest
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import straightened
@@ -10,6 +11,7 @@ from stickslip.gap.likelihood.verdict import Verdict
 from stickslip.logs import Log
 
 from benchmarks.foreign.record import record
+from benchmarks.foreign_models.cone import model as cone
 from benchmarks.foreign_models.sqrt_tank import model
 from benchmarks.foreign_models.two_by_two import model as pair
 from benchmarks.gap.plant import MODELS, PlantRun
@@ -30,11 +32,17 @@ def test_where_noise_is_less_than_stated_rounding_draws_the_lines():
     assert straightened(held, 0, [{"sensor.sd": 0.0017}]) == ""
 
 
-def test_where_an_effect_hides_that_noise_is_less_rounding_draws_the_lines_too():
-    # a dead time of a loop whose noise and loads are half as large as stated: it was a compression at .95
-    made = record("two_by_two", "dead_time", 0.7066, 1874811447, noise_factor=0.5655, load_factor=0.501)
-    wired = pair()
-    log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
-    null = model_alone(when_switched(held_against(wired.diagram, log)))
+@pytest.mark.parametrize(("plant", "wired", "effect_name", "size", "seed", "noise", "load"), [
+    ("two_by_two", pair, "dead_time", 0.7066, 1874811447, 0.5655, 0.501),
+    ("cone", cone, "controller_integral_time", -1.2136, 643354578, 0.5664, 0.5915),  # lines of 1.5 roundings of the log
+])  # fmt: skip
+def test_where_an_effect_hides_that_noise_is_less_rounding_draws_the_lines_too(
+    plant, wired, effect_name, size, seed, noise, load
+):
+    # effects in loops whose noise and loads are half as large as stated: each was a compression at .95
+    made = record(plant, effect_name, size, seed, noise_factor=noise, load_factor=load)
+    mine = wired()
+    log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in mine.signals.items()})
+    null = model_alone(when_switched(held_against(mine.diagram, log)))
     gap = Verdict(100.0, "", 0.0, 4.0)
     assert by_digits(null, gap, [effect("compression")], 0) is None
