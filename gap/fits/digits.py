@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks.role import Role
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.straightness import deviation_of, sloping
@@ -64,9 +65,11 @@ def straightened(held: Held, seed: int, others: Sequence[Mapping[str, float]] = 
     it states and with ``others`` that are possible: the less there is of it, the more lines rounding draws.
     """
     models = [held.model, *(held.model.with_params(held.given.settings(one)) for one in others)]
+    # a valve takes what a controller gives, or a selector behind it: straight where the controller is calm
+    to_valves = {str(s) for b in held.model.blocks if b.role is Role.VALVE for s in b.input_labels}
     for signal, values in zip(held.signals, held.Y.T, strict=True):
         step = rounding(values)
-        if signal in held.ops or sloping(values, step) < STRAIGHT:
+        if signal in to_valves or signal in held.ops or sloping(values, step) < STRAIGHT:
             continue
         for model in models:
             plain = without_gap(model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own

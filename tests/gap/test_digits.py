@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from stickslip.blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Square, Sum
+from stickslip.blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Saturation, Square, Sum
 from stickslip.cases.models import ideal_flow
 from stickslip.diagram import ensemble, simulate, wire
 from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
+from stickslip.gap.fits.digits import straightened
 from stickslip.gap.fits.scans import read_off
 from stickslip.gap.insertion.straightness import lined, sloping
 from stickslip.gap.records.record import spacing
@@ -58,10 +60,11 @@ def test_a_coarse_log_that_was_compressed_is_told():
 
 
 def heater():
-    """Return a loop whose measurement has a tag of its own."""
+    """Return a loop whose measurement has a tag of its own, and whose OP comes from a limit behind the controller."""
     return wire(
         [
-            SampledPI(2.0, 60.0, dt=4.0, low=0.0, high=100.0, start_op=50.0, inputs=["SP", "TI"]),
+            SampledPI(2.0, 60.0, dt=4.0, start_op=50.0, inputs=["SP", "TI"], outputs="asked"),
+            Saturation("OP", "asked", 0.0, 100.0),
             IdealValve(spans={"OP": (0.0, 100.0), "MV": (0.0, 100.0)}),
             Noise("load", sd=3.0, dt=4.0, correlation_time=200.0, name="fuel"),
             Sum("heat", {"MV": 1.0, "load": 1.0}),
@@ -82,6 +85,15 @@ def test_a_compression_has_its_size_whatever_the_tag_is_called():
     ).causes
     assert cause.effect == "compression"
     assert cause.parameters["deviation"].value == pytest.approx(0.5, rel=0.3)
+
+
+def test_what_a_valve_takes_is_no_measurement_that_a_historian_straightens():
+    """An OP behind a selector was compressed at .95, for the controller was calm."""
+    run = simulate(wire([Square("SP", 4.0, 2000.0, mean=20.0), *heater().blocks]), 8000.0, every=8.0)
+    assert run.ok
+    log = swinging_door(Log(run.log.t, {"SP": run.log["SP"], "OP": run.log["OP"], "TI": run.log["TI"]}), 2.0, ["OP"])
+    assert sloping(log["OP"], 0.0) > 0.5
+    assert straightened(held_against(heater(), log), 0) == ""
 
 
 @pytest.mark.parametrize(("outside", "severity"), [
