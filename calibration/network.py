@@ -90,9 +90,9 @@ def _batches(
     loops: Examples, rng: np.random.Generator
 ) -> Iterator[tuple[npt.NDArray[np.intp], npt.NDArray[np.float32], npt.NDArray[np.int64]]]:
     """Loops of one pass by number, their channels and their lengths, batch by batch."""
-    order = rng.permutation(len(loops))
+    order, lengths = rng.permutation(len(loops)), loops.length
     for many in np.array_split(order, max(len(order) // (BATCH * GROUP), 1)):
-        whole = loops.length[many]
+        whole = lengths[many]
         share = np.where((rng.random(len(many)) < 0.5) | (whole < LONG), 1.0, rng.uniform(CUT, 1.0, len(many)))
         length = (whole * share).astype(np.int64)
         first = (rng.random(len(many)) * (whole - length + 1)).astype(np.int64)
@@ -101,7 +101,7 @@ def _batches(
             own = batches[k]
             x = np.zeros((len(own), CHANNELS, -(-int(length[own].max()) // STRIDE) * STRIDE), dtype=np.float32)
             for i, j in enumerate(own):
-                x[i, :, : length[j]] = loops.x[many[j], :, first[j] : first[j] + length[j]]
+                x[i, :, : length[j]] = loops.x[many[j]][:, first[j] : first[j] + length[j]]
             x[:, FLIPPED] *= rng.choice((-1.0, 1.0), (len(own), 1, 1))
             yield many[own], x, length[own]
 

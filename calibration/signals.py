@@ -12,8 +12,8 @@ import numpy.typing as npt
 from stickslip.calibration.crossings import extent
 from stickslip.calibration.laws import Law, loops
 from stickslip.calibration.spec import Kinds
-from stickslip.detect.judge.features.channels import LOOKED_AT, MOST
-from stickslip.detect.judge.features.network import CHANNELS, seen_by
+from stickslip.detect.judge.features.channels import LOOKED_AT
+from stickslip.detect.judge.features.network import seen_by
 from stickslip.detect.judge.features.view import View, view_of
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs.files.resumable import Kept, differences, joined, opened
@@ -30,23 +30,27 @@ KEPT = Kept(
 class Examples:
     """Loops as the network sees them.
 
-    x : (n, ``CHANNELS``, ``MOST``) [-] in half precision, zero beyond the length of each
-    length : (n,) points; group : (n,) kind of loop; size : (n, 2) ln S and ln J over OP's travel, NaN where none sticks
+    x : of each loop (``CHANNELS``, points) [-] in half precision
+    group : (n,) kind of loop; size : (n, 2) ln S and ln J over OP's travel, NaN where none sticks
     """
 
-    x: npt.NDArray[np.float16]
-    length: npt.NDArray[np.int64]
+    x: Sequence[npt.NDArray[np.float16]]
     group: npt.NDArray[np.str_]
     size: npt.NDArray[np.float32]
 
     def __len__(self) -> int:
-        return len(self.length)
+        return len(self.x)
+
+    @property
+    def length(self) -> npt.NDArray[np.int64]:
+        """Points of each loop (n,)."""
+        return np.array([one.shape[1] for one in self.x], dtype=np.int64)
 
     @staticmethod
     def joined(parts: Sequence["Examples"]) -> "Examples":
         """Several sets, one after the other."""
-        names = ("x", "length", "group", "size")
-        return Examples(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        x = [one for part in parts for one in part.x]
+        return Examples(x, *(np.concatenate([getattr(part, name) for part in parts]) for name in ("group", "size")))
 
 
 def examples(
@@ -66,15 +70,8 @@ def examples(
             if k * PART not in there:
                 place.add(pl.DataFrame(_columns(setting, seed + k, kinds, workers, k * PART)))
         rows = joined(place.rows(), KEPT.key).filter(pl.col(KEPT.key) < count * PART)
-    x = np.zeros((len(rows), CHANNELS, MOST), dtype=np.float16)
-    length = np.zeros(len(rows), dtype=np.int64)
-    for i, row in enumerate(rows.iter_rows(named=True)):
-        view = seen_by(_view(row))
-        length[i] = view.shape[1]
-        x[i, :, : length[i]] = view
-    return Examples(
-        x, length, rows["group"].to_numpy().astype(str), rows.select("S", "J").to_numpy().astype(np.float32)
-    )
+    x = [seen_by(_view(row)).astype(np.float16) for row in rows.iter_rows(named=True)]
+    return Examples(x, rows["group"].to_numpy().astype(str), rows.select("S", "J").to_numpy().astype(np.float32))
 
 
 def _columns(setting: Law, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
