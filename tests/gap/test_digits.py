@@ -63,7 +63,7 @@ def heater():
     """Return a loop whose measurement has a tag of its own, and whose OP comes from a limit behind the controller."""
     return wire(
         [
-            SampledPI(2.0, 60.0, dt=4.0, start_op=50.0, inputs=["SP", "TI"], outputs="asked"),
+            SampledPI(2.0, 60.0, dt=4.0, low=-20.0, high=120.0, start_op=50.0, inputs=["SP", "TI"], outputs="asked"),
             Saturation("OP", "asked", 0.0, 100.0),
             IdealValve(spans={"OP": (0.0, 100.0), "MV": (0.0, 100.0)}),
             Noise("load", sd=3.0, dt=4.0, correlation_time=200.0, name="fuel"),
