@@ -22,6 +22,7 @@ from stickslip.gap.records.start import start_spread, start_values
 MORE = (
     50  # times the steps of the model alone, from which on a filter is given up: an effect makes its steps ever smaller
 )
+SHARES = (1.0, 0.3, 0.0)  # of how unsure a start may be: what no signal soon feels would leave what a law is made for
 MOST_BLOCKS, MOST_STATES = 14, 100  # of a diagram that bends; larger ones have an observer of their own
 
 
@@ -37,8 +38,10 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
     quiet = silenced(model)
     record = settled_behind_holes(quiet, record)
     frames = (
-        Frame(Given(model.starting_at(start)), record, unsure=start_spread(quiet.starting_at(start), record))
+        Frame(Given(model.starting_at(start)), record, unsure={name: share * sd for name, sd in unsure.items()})
         for start in (start_values(quiet, record), {})
+        for unsure in [start_spread(quiet.starting_at(start), record)]
+        for share in SHARES
     )
     try:
         return next((found for frame in frames if (found := _followed(frame, asked)) is not None), None)

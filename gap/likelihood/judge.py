@@ -55,7 +55,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     """
     if isinstance(fit.hypothesis.frame, Replays):
         return judged_by_loss(fit, null, seed)
-    away = [(f"a little of {c.hypothesis}", c.direction) for c in others if c.direction is not None]
+    away = [(f"a trace of {c.hypothesis}", c.direction) for c in others if c.direction is not None]
     directions = [*_apart(fit, away), *constancy(fit)]
     one, f = fit.hypothesis, fit.hypothesis.frame
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have

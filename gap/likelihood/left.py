@@ -48,7 +48,7 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
         if beyond > limit and null is not None and share(fit, null) >= LEAST:
             limit = max(limit, _own_runs(fit, far, seed))
     unit = max(unit, SMALLEST)  # of runs without noise all losses are the same
-    return Verdict(beyond / unit, "its loss", ALARM if beyond > limit else 1.0, limit / unit)
+    return Verdict(beyond / unit, "the misfit of all rows", ALARM if beyond > limit else 1.0, limit / unit)
 
 
 def nearly_all(fit: Fit, null: Fit) -> bool:

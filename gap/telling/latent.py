@@ -62,13 +62,13 @@ class LatentInput(Shown):
         best = max(self.shares, key=lambda name: self.shares[name])
         share = 100.0 * self.shares[best]
         goes = (
-            f"{share:.0f} % of its variance goes with {best}"
+            f"{share:.0f} % of the variance of this change goes with {best}"
             if self.shares[best] >= TOLD
-            else "it goes with no level, rate or direction of these, nor with time"
+            else "this change goes with no level, rate or direction of a logged signal, nor with time"
         )
         return (
-            f"The model gives {self.shown} as logged if {float(np.mean(self.values)):.2g} in the mean, with a standard "
-            f"deviation of {float(np.std(self.values)):.2g}, is added to {self.signal}; {goes}."
+            f"The model gives {self.shown} as logged if {self.signal} is changed by {float(np.mean(self.values)):.2g} "
+            f"on average, with a standard deviation of {float(np.std(self.values)):.2g}; {goes}."
         )
 
     def plot(self) -> "Figure":
