@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import expit
 from stickslip.calibration.alike import alike
 from stickslip.calibration.conditions import Conditions, conditions
@@ -29,8 +28,6 @@ from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.chances import chance
 from stickslip.logs.processes import cores, one_thread, processes
-
-Floats = NDArray[np.float64]
 
 LOOPS = 2000  # about 5 ms of one core each: some 6 s on two
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most

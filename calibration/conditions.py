@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.calibration.crossings import extent, period
 from stickslip.logs import LoopRecord
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 LEVELS = 0.25  # a signal with fewer different values per sample than this is rounded
 STRAIGHT = 0.3  # share of points on a straight line with their neighbours from which a signal is compressed
@@ -72,7 +71,7 @@ def conditions(record: LoopRecord) -> Conditions:
     (25, 10, 'still', False)
     """
     good = record.good
-    op: Floats = (record.op if record.op_percent is None else record.op_percent)[good]
+    op: Values = (record.op if record.op_percent is None else record.op_percent)[good]
     pv = record.pv[good]
     if len(op) < 40:
         raise ValueError(f"{len(op)} good samples of OP and PV; a simulation of the record needs at least 40")
@@ -108,7 +107,7 @@ def conditions(record: LoopRecord) -> Conditions:
     )
 
 
-def _noise(values: Floats) -> float:
+def _noise(values: Values) -> float:
     """Return the standard deviation of white noise on a smooth signal, from its third differences."""
     if len(values) < 8:
         return 0.0
@@ -116,7 +115,7 @@ def _noise(values: Floats) -> float:
     return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
 
 
-def _steps(values: Floats) -> float:
+def _steps(values: Values) -> float:
     """Return the steps per range of a rounded signal; 0 for one that is not."""
     levels = np.unique(values)
     if len(levels) < 3 or len(levels) > LEVELS * len(values):
@@ -125,7 +124,7 @@ def _steps(values: Floats) -> float:
     return extent(values) / step
 
 
-def _straight(values: Floats) -> float:
+def _straight(values: Values) -> float:
     """Return the share of samples on the line of their neighbours, where the signal moves."""
     second = np.abs(np.diff(values, 2))
     moving = np.abs(np.diff(values))[1:] > 0.0
@@ -137,14 +136,14 @@ def _runs(still: NDArray[np.bool_]) -> int:
     return int((np.diff(np.concatenate([[False], still]).astype(int)) == 1).sum())
 
 
-def _drifting(op: Floats, points: float) -> float:
+def _drifting(op: Values, points: float) -> float:
     """Return the range of the moving average over three periods [unit of OP]."""
     width = max(1, min(round(3.0 * points), len(op)))
     sums = np.concatenate([[0.0], np.cumsum(op)])
     return float(np.ptp((sums[width:] - sums[:-width]) / width))
 
 
-def _set_point(sp: Floats | None, pv_range: float, points: float) -> tuple[str, float, float]:
+def _set_point(sp: Values | None, pv_range: float, points: float) -> tuple[str, float, float]:
     """Return how SP moves, by how much [ranges of PV], and how long it stands [periods]."""
     if sp is None:
         return "none", 0.0, 0.0

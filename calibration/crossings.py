@@ -3,22 +3,20 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 BAND = 0.35  # of the standard deviation: how far beyond the mean a signal must go to have crossed it
 EVEN = 0.35  # spread of the half periods over their mean, at most, in a cycle
 CYCLES = 3  # a cycle is seen at least so often
 
 
-def extent(values: Floats) -> float:
+def extent(values: Values) -> float:
     """Return the range of a signal between its quantiles of 0.5 and 99.5 % [its unit]."""
     low, high = np.quantile(values, (0.005, 0.995))
     return float(high - low)
 
 
-def half_periods(values: Floats) -> Floats:
+def half_periods(values: Values) -> Values:
     """Return the times between crossings of the mean [samples], with a band against noise.
 
     >>> import numpy as np
@@ -36,13 +34,13 @@ def half_periods(values: Floats) -> Floats:
     return np.asarray(np.diff(turns), dtype=float)
 
 
-def period(values: Floats) -> float:
+def period(values: Values) -> float:
     """Return twice the mean time between crossings [samples]; NaN for fewer than two crossings."""
     halves = half_periods(values)
     return 2.0 * float(halves.mean()) if len(halves) else math.nan
 
 
-def even(values: Floats) -> bool:
+def even(values: Values) -> bool:
     """Return whether the crossings come at even times, at least ``2 CYCLES`` of them.
 
     >>> import numpy as np

@@ -5,10 +5,9 @@ from numpy.typing import NDArray
 from stickslip.calibration.crossings import extent
 from stickslip.calibration.spec import LoopSpec
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.dirt import swinging_door_kept
 from stickslip.logs.tags import Process
-
-Floats = NDArray[np.float64]
 
 DEFECTS = (
     "noise", "coarse_transmitter", "rounded_pv", "rounded_op", "compressed", "stale", "sp_moves", "no_sp",
@@ -48,13 +47,13 @@ def stale_rows(n: int, share: float, hold: float, random: np.random.Generator) -
     return held
 
 
-def rounded(values: Floats, steps: float) -> Floats:
+def rounded(values: Values, steps: float) -> Values:
     """Return a signal in ``steps`` steps per range; 0 leaves it as it is."""
     step = extent(values) / steps if steps > 0.0 else 0.0
     return np.round(values / step) * step if step > 0.0 else values
 
 
-def compressed(t: Floats, values: Floats, door: float) -> Floats:
+def compressed(t: Values, values: Values, door: float) -> Values:
     """Return a signal as swinging-door compression gives it back; ``door`` deviation [share of the range]."""
     deviation = door * extent(values)
     if deviation <= 0.0:
@@ -63,7 +62,7 @@ def compressed(t: Floats, values: Floats, door: float) -> Floats:
     return np.interp(t, t[kept], values[kept])
 
 
-def record(spec: LoopSpec, sp: Floats, pv: Floats, op: Floats, mv: Floats | None) -> LoopRecord:
+def record(spec: LoopSpec, sp: Values, pv: Values, op: Values, mv: Values | None) -> LoopRecord:
     """Return the record that a historian keeps of a loop; the signals are in % of their spans."""
     random = np.random.default_rng((spec.seed, 2))
     t = np.arange(len(pv), dtype=np.float64) * spec.dt

@@ -7,9 +7,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 _OMEGA = np.geomspace(1e-4, 1e2, 600)  # rad/s, for a first lag of 10 s
 
@@ -66,7 +64,7 @@ def ultimate(loop: Loop, scan: float = 0.0) -> tuple[float, float]:
     return float(1.0 / (size[0] * (size[1] / size[0]) ** part)), 2.0 * math.pi / omega
 
 
-def _unwrapped(angle: Floats) -> Floats:
+def _unwrapped(angle: Values) -> Values:
     """``np.unwrap``, which looks at every step, where few of them are jumps."""
     step = np.diff(angle)
     jumps = np.flatnonzero(np.abs(step) >= math.pi)

@@ -27,8 +27,7 @@ from scipy.special import expit
 from stickslip.calibration.records import Table
 from stickslip.calibration.scoring import auc
 from stickslip.calibration.spec import CAUSES
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 SEEN = ("network_sticky", "network_S", "network_J")  # z
 NEIGHBOURS = 300.0  # loops that the answer rests on, about
@@ -40,7 +39,7 @@ PENALTY = 0.05  # on a and b squared: keeps them finite where loops part complet
 STEEP = 1.5  # the same on the slopes near the record, whose loops are fewer
 
 
-def weighted_quantile(values: Floats, weights: Floats, at: Floats) -> Floats:
+def weighted_quantile(values: Values, weights: Values, at: Values) -> Values:
     """Return the quantiles ``at`` of values with weights.
 
     >>> weighted_quantile(np.array([1.0, 2.0, 3.0]), np.ones(3), np.array([0.5])).tolist()
@@ -51,7 +50,7 @@ def weighted_quantile(values: Floats, weights: Floats, at: Floats) -> Floats:
     return np.asarray(np.interp(at, share, values[order]), dtype=np.float64)
 
 
-def nearest(points: Floats, at: Floats, count: float = NEIGHBOURS) -> Floats:
+def nearest(points: Values, at: Values, count: float = NEIGHBOURS) -> Values:
     """Return weights of ``points`` (n, d) by their distance to ``at`` (d,), of about ``count`` neighbours."""
     spread = np.maximum(points.std(axis=0), 1e-9)
     distance = np.sqrt((((points - at) / spread) ** 2).sum(axis=1))
@@ -59,14 +58,14 @@ def nearest(points: Floats, at: Floats, count: float = NEIGHBOURS) -> Floats:
     return np.asarray(np.exp(-0.5 * (distance / (0.6 * width)) ** 2))
 
 
-def chances(x: Floats, yes: NDArray[np.bool_], weights: Floats, penalty: Floats) -> Floats:
+def chances(x: Values, yes: NDArray[np.bool_], weights: Values, penalty: Values) -> Values:
     """Return a and b (1 + d,) of the chance 1/(1 + exp(-(a + x b))) that best tells ``yes`` (n,) from ``x`` (n, d).
 
     ``weights`` of the loops (n,); ``penalty`` on the square of each of a and b (1 + d,).
     """
     columns = np.column_stack([np.ones(len(x)), x])
 
-    def loss(p: Floats) -> tuple[float, Floats]:
+    def loss(p: Values) -> tuple[float, Values]:
         z = columns @ p
         wrong = np.logaddexp(0.0, np.where(yes, -z, z))
         slope = columns.T @ (weights * (expit(z) - yes)) + 2.0 * penalty * p
@@ -75,7 +74,7 @@ def chances(x: Floats, yes: NDArray[np.bool_], weights: Floats, penalty: Floats)
     return np.asarray(minimize(loss, np.zeros(columns.shape[1]), jac=True, method="L-BFGS-B").x)
 
 
-def log_odds(p: Floats) -> Floats:
+def log_odds(p: Values) -> Values:
     """Return ln(p / (1 - p)) of probabilities, kept finite."""
     safe = np.clip(p, 1e-9, 1.0 - 1e-9)
     return np.asarray(np.log(safe / (1.0 - safe)))
@@ -100,7 +99,7 @@ class Reading:
     area: float
 
 
-def read(known: Table, here: Floats) -> Reading:
+def read(known: Table, here: Values) -> Reading:
     """Return what simulated loops say about a record of scores ``here`` (pieces, 3), by ``SEEN``."""
     names, sticky = known.names.tolist(), known.sticky
     z, at = known.x[:, [names.index(name) for name in SEEN]], np.median(here, axis=0)
@@ -124,14 +123,14 @@ def read(known: Table, here: Floats) -> Reading:
     )
 
 
-def _shared(left: float, causes: NDArray[np.generic], weights: Floats) -> Mapping[str, float]:
+def _shared(left: float, causes: NDArray[np.generic], weights: Values) -> Mapping[str, float]:
     """Return the probability of each cause but stiction, by the weights of loops of these causes; none is excluded."""
     others = [cause for cause in CAUSES if cause != "stiction"]
     sums = np.array([weights[causes == cause].sum() for cause in others]) + 0.5 / len(others)
     return dict(zip(others, (left * sums / sums.sum()).tolist(), strict=True))
 
 
-def detection_limit(size: Floats, found: NDArray[np.bool_]) -> float:
+def detection_limit(size: Values, found: NDArray[np.bool_]) -> float:
     """Return the size from which on sticks are found with the probability ``CHANCE``; NaN where there is none up to 1.
 
     size : (n,) S of the loops over the travel of OP [-]; larger ones than 1 stand still and count for nothing

@@ -24,6 +24,7 @@ from stickslip.detect.judge.features.network import FILE as NETWORK
 from stickslip.detect.judge.features.view import View
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.logs.files.resumable import Kept, differences, joined, opened
 from stickslip.logs.processes import cores, processes
 
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["PART", "Table", "kept_table", "row", "table"]
 
-Values = npt.NDArray[np.float64]
 Family: TypeAlias = Callable[[Prepared, View], dict[str, float]]
 PART = 500  # loops
 KEPT = Kept(

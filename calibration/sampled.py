@@ -15,12 +15,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.logs.compiled import njit
 
 __all__ = ["CONTROLLERS", "SIGNALS", "VALVES", "run"]
 
-Floats = NDArray[np.float64]
 VALVES = ("kano", "chen", "he", "stick_slip", "creeping")
 CONTROLLERS = ("pi", "pi_filtered", "pid_weighted")
 PROCESSES = ("one_lag", "two_lags", "integrating")
@@ -36,8 +35,8 @@ _VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_s
 
 def run(
     structure: tuple[str, str, str], scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int],
-    times: Floats,
-) -> dict[str, Floats]:  # fmt: skip
+    times: Values,
+) -> dict[str, Values]:  # fmt: skip
     """Return SP, PV_m, OP and MV (n, rows) of n loops at ``times`` [scans], (rows,) or (n, rows), in ascending order.
 
     ``structure`` and the parameters in ``columns`` as in ``loops``; ``scans`` that each loop lasts.
@@ -58,7 +57,7 @@ def run(
     return {name: out[:, k] for k, name in enumerate(SIGNALS)}
 
 
-def _process(own: Mapping[str, float], kind: str) -> Floats:
+def _process(own: Mapping[str, float], kind: str) -> Values:
     """Gain, both lags and the dead time [scans]."""
     theta, K = own["process.theta"], own["process.K"]
     if kind == "integrating":
@@ -70,7 +69,7 @@ def _process(own: Mapping[str, float], kind: str) -> Floats:
     return np.array([K, root * (zeta + spread), root * (zeta - spread), theta])
 
 
-def _controller(own: Mapping[str, float], kind: str) -> Floats:
+def _controller(own: Mapping[str, float], kind: str) -> Values:
     """K_p with its sign, T_i, T_d, N, b and the filter's time constant [scans]."""
     K_p = own["controller.K_p"] * own["controller.action"]
     values = [K_p, own["controller.T_i"], 0.0, 1.0, 1.0, 0.0]

@@ -17,10 +17,10 @@ import numpy as np
 import numpy.typing as npt
 from stickslip.calibration.records import Table
 from stickslip.detect.judge.model import Model, Opinion
+from stickslip.logs.arrays import Values
 
 __all__ = ["auc", "calibration_error", "estimates", "opinions", "score"]
 
-Values = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 

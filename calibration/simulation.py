@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.calibration.crossings import even, extent, period
 from stickslip.calibration.defects import names, record
 from stickslip.calibration.excitation import SHAPES
@@ -22,8 +21,7 @@ from stickslip.calibration.sampled import run as sampled
 from stickslip.calibration.spec import LoopSpec, Truth
 from stickslip.diagram import ensemble
 from stickslip.logs import LoopRecord
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 PILOT = 2000  # scans of the pilot run
 SETTLE = 700  # of which are left out
@@ -67,7 +65,7 @@ class Plan:
         """Scans before the log begins."""
         return self.scans - self.samples * self.per_sample
 
-    def times(self, rows: int) -> Floats:
+    def times(self, rows: int) -> Values:
         """Return ``rows`` log times [scans]: those of the record, and before them some that fill the row up."""
         others = rows - self.samples
         before = (np.arange(others) + 1.0) * (self.warm / (others + 1.0))
@@ -142,7 +140,7 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
     return [found[i] for i in range(len(specs))]
 
 
-def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) -> Mapping[str, Floats]:
+def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) -> Mapping[str, Values]:
     """Run loops of one structure and length."""
     rows = max(plan.samples for plan in plans)
     columns = []
@@ -156,9 +154,9 @@ def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) 
 
 
 def _ensemble(
-    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
+    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Values,
     workers: int | None,
-) -> Mapping[str, Floats]:  # fmt: skip
+) -> Mapping[str, Values]:  # fmt: skip
     """Return the signals (n, rows) of loops of one structure, in sampled time where that is exact."""
     if structure[0] in VALVES and structure[2] in CONTROLLERS:
         return sampled(structure, scans, columns, seeds, times)
@@ -166,9 +164,9 @@ def _ensemble(
 
 
 def by_engine(
-    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
+    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Values,
     workers: int | None = None,
-) -> Mapping[str, Floats]:  # fmt: skip
+) -> Mapping[str, Values]:  # fmt: skip
     """Return the signals (n, rows) of loops of one structure, by the engine; arguments as in ``sampled.run``.
 
     Raises ``RuntimeError`` if a loop cannot be simulated.
@@ -251,7 +249,7 @@ def trouble(spec: LoopSpec, shown: Measured, time: float, length: int) -> Mappin
     return found
 
 
-def _labelled(spec: LoopSpec, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
+def _labelled(spec: LoopSpec, values: Mapping[str, Values], mv: bool) -> tuple[LoopRecord, Truth]:
     """Return the record of a loop and what is true of it."""
     n = spec.samples
     op, stem = values["OP"][:n] + spec.op0, values["MV"][:n] + spec.op0

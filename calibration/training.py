@@ -17,10 +17,10 @@ import numpy.typing as npt
 from stickslip.calibration.drawing import OTHERS
 from stickslip.calibration.records import Table
 from stickslip.detect.judge.model import PLACE, SEEN, SHARES, SIZE, Model, ln_size, sure, weighed
+from stickslip.logs.arrays import Values
 
 __all__ = ["fit"]
 
-Values = npt.NDArray[np.float64]
 Say = Callable[[str], None]
 
 ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, and nobody digs up a sound valve gladly

@@ -17,7 +17,6 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import series
 from stickslip.remedy.loop_fit import LoopFit
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Advice", "Cost", "Tried", "cost", "remedies", "score"]
 
-Floats = NDArray[np.float64]
 TRAVEL = 0.05  # weight of travel
 LONG = "longer than the run"
 SURE = 0.9  # share of the fitted loops, widened, that swing less

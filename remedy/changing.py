@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.remedy.change import COUNTS, Change, Changes
 from stickslip.remedy.left import free_of_line
 from stickslip.remedy.loop_fit import LoopFit
@@ -31,7 +31,6 @@ from stickslip.remedy.together import PARTS, Pair, Together
 
 __all__ = ["changes", "lacks"]
 
-Floats = NDArray[np.float64]
 ENOUGH = 10.0  # nats
 FROM_FIT = {"disturbance": 15.0, **dict.fromkeys(PARTS, 20.0)}  # a part pays ln(rows)/2 for its value, as tempered nats
 ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
@@ -191,11 +190,11 @@ def _least(found: Sequence[Change]) -> Change:
     return least if agree else replace(least, changed=False)
 
 
-def _blocks(one: Floats) -> list[Floats]:
+def _blocks(one: Values) -> list[Values]:
     return [np.asarray(block) for block in np.array_split(one, BLOCKS)]
 
 
-def _fine(lefts: Sequence[Floats]) -> Floats:
+def _fine(lefts: Sequence[Values]) -> Values:
     """Squares (blocks,) of what differs from row to row: third differences, which a slower signal does not pass."""
     return np.concatenate(
         [[(float(np.median(np.abs(np.diff(b, 3)))) / 3.0) ** 2 for b in _blocks(one)] for one in lefts]
@@ -203,9 +202,9 @@ def _fine(lefts: Sequence[Floats]) -> Floats:
 
 
 def _slow(
-    lefts: Sequence[Sequence[Floats]], answers: Sequence[Sequence[Floats]], between: int, noises: Sequence[float],
+    lefts: Sequence[Sequence[Values]], answers: Sequence[Sequence[Values]], between: int, noises: Sequence[float],
     roots: int = 1,
-) -> list[Floats]:  # fmt: skip
+) -> list[Values]:  # fmt: skip
     """Mean squares (blocks,) of how far each time goes between two turns of OP, without the share of its noise.
 
     What is small beside the larger noise of both times is not known, and taken for the same; so is what is small beside
@@ -221,14 +220,14 @@ def _slow(
     ]
 
 
-def _ways(one: Floats, between: int, roots: int) -> Floats:
+def _ways(one: Values, between: int, roots: int) -> Values:
     """How far a signal goes between two turns; of two roots, by how much that differs from the way before."""
     for _ in range(roots):
         one = one[between:] - one[:-between]
     return one
 
 
-def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0.0) -> Change:
+def _spread(effect: str, squares: Sequence[Values], unit: str, beside: float = 0.0) -> Change:
     """The change of a spread whose squares (blocks,) are known at both times, by the mean of their logarithms.
 
     ``beside`` [logarithm] may be the gain's: a load at the valve goes with it, one at PV does not.
@@ -243,7 +242,7 @@ def _spread(effect: str, squares: Sequence[Floats], unit: str, beside: float = 0
     return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
-def _level(lefts: Sequence[Sequence[Floats]], unit: str) -> Change:
+def _level(lefts: Sequence[Sequence[Values]], unit: str) -> Change:
     """The change of PV's level beside the flow, over what the level of a block varies by: loads may stay for long.
 
     At the later time about a line, or a drift would count against itself.

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
 __all__ = ["Controller", "controller_of"]
 
-Floats = NDArray[np.float64]
 SPANS = (1, 4, 16, 64)  # rows
 LESS = 0.9  # of what is left, that a derivative or a filter must get below
 FILTERS = (0.7, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0)  # rows, that are tried
@@ -73,7 +73,7 @@ class Controller:
         return low, high
 
 
-def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, float]:
+def limits_of(op: Values, span: tuple[float, float] | None) -> tuple[float, float]:
     """The limits of OP: where it rests at an extreme for some rows, else its span, else none."""
     found = span or (-math.inf, math.inf)
     ends = (float(op.min()), float(op.max()))
@@ -82,7 +82,7 @@ def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, floa
     return ends[0] if rests[0] else found[0], ends[1] if rests[1] else found[1]
 
 
-def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: tuple[float, float]) -> Controller:
+def controller_of(op: Values, pv: Values, sp: Values | None, dt: float, limits: tuple[float, float]) -> Controller:
     """The law that OP (n,) follows on an even grid of ``dt`` [s]; its ``explained`` says how well.
 
     >>> e = np.random.default_rng(1).normal(size=500)
@@ -114,11 +114,11 @@ def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: 
     )
 
 
-_Line = tuple[float, Floats, Floats, float, int, float]
+_Line = tuple[float, Values, Values, float, int, float]
 
 
 def _filtered(
-    op: Floats, pv: Floats, free: NDArray[np.bool_], dt: float, m: int, sp: Floats | None
+    op: Values, pv: Values, free: NDArray[np.bool_], dt: float, m: int, sp: Values | None
 ) -> tuple[_Line | None, float]:
     """The law behind the filter of PV that leaves least, and the filter's time constant [s]."""
     from scipy.optimize import minimize_scalar
@@ -139,7 +139,7 @@ def _filtered(
 
 
 def _line(
-    op: Floats, e: Floats, slope: Floats | None, free: NDArray[np.bool_], dt: float, m: int, sp: Floats | None
+    op: Values, e: Values, slope: Values | None, free: NDArray[np.bool_], dt: float, m: int, sp: Values | None
 ) -> _Line | None:
     """How badly gain and rate are known, coefficients, their spread, share explained, m, and what is left."""
     total = np.concatenate([[0.0], np.cumsum(e)[:-1]]) * dt  # without the error of the row itself
@@ -170,7 +170,7 @@ def _line(
     return float(known), b, sd, explained, m, float(np.mean(left**2))
 
 
-def moved_from_outside(law: Controller, op: Floats, pv: Floats, sp: Floats | None) -> Floats:
+def moved_from_outside(law: Controller, op: Values, pv: Values, sp: Values | None) -> Values:
     """What moves OP (n,) and is not PV: SP through the controller's gain, and moves by hand."""
     e = -pv if sp is None else sp - pv
     own = law.K_p * np.diff(e) + (law.K_p / law.T_i) * law.dt * e[:-1]

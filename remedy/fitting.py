@@ -11,12 +11,12 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.detect.likelihood.pooled import evidence_of
 from stickslip.detect.likelihood.stems import stems_of
 from stickslip.detect.prepare.prepared import Grid, prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.remedy.controller import LEAST, Controller, controller_of, limits_of, moved_from_outside
 from stickslip.remedy.left import excitation
 from stickslip.remedy.loop_fit import LoopFit
@@ -28,7 +28,6 @@ from stickslip.remedy.weighing import weighed
 
 __all__ = ["fit"]
 
-Floats = NDArray[np.float64]
 FORMS = 0.01  # share by which K_p differs between two forms of a controller, from which on it is said
 WHOLE = 0.9  # of a record and of its rows, below which it is said
 
@@ -110,7 +109,7 @@ def fit(
     )  # fmt: skip
 
 
-def _as_rows(day: Day, law: Controller) -> Floats:
+def _as_rows(day: Day, law: Controller) -> Values:
     """What moves OP and is not PV, in the rows of PV."""
     moved, n = moved_from_outside(law, day.op, day.pv, day.sp), len(day.rows)
     return np.asarray(moved[: n * day.q].reshape(n, day.q).mean(axis=1))

@@ -15,14 +15,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.logs.compiled import njit
 
 __all__ = [
     "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
 ]  # fmt: skip
 
-Floats = NDArray[np.float64]
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
 NUGGETS = 12  # parts of a record, whose noise tells how surely it is known
 LEAST = 12  # rows of a record for each of its memory
@@ -33,18 +32,18 @@ FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"rea
 class Left:
     """What is left of a day: v = a v_before + e, spread s of e; c and d, its level and slope by rows."""
 
-    a: Floats
+    a: Values
     s: float
     c: float
     d: float
 
 
-def left_of(v: Floats, line: tuple[float, float], a: Floats, share: float = 1.0) -> Left:
+def left_of(v: Values, line: tuple[float, float], a: Values, share: float = 1.0) -> Left:
     """The noise of v (rows,) beside its ``line``, with memory a; ``share`` of the variance of its errors."""
     return Left(a, math.sqrt(share * size(whitened(v, a)) + 1e-300), *line)
 
 
-def free_of_line(v: Floats) -> tuple[Floats, tuple[float, float]]:
+def free_of_line(v: Values) -> tuple[Values, tuple[float, float]]:
     """v (rows,) without its line, and the line's level and slope."""
     time = np.arange(len(v)) - 0.5 * (len(v) - 1)
     slope = float(v @ time / (time @ time))
@@ -52,7 +51,7 @@ def free_of_line(v: Floats) -> tuple[Floats, tuple[float, float]]:
     return v - level - slope * time, (level - slope * 0.5 * (len(v) - 1), slope)
 
 
-def _beside_past(v: Floats) -> Floats:
+def _beside_past(v: Values) -> Values:
     """Each row of v (rows,) and the means of the rows before it that share a coefficient, (rows - order, 1 + means)."""
     edges = _edges(len(v))
     order, sums = edges[-1] - 1, np.append(0.0, np.cumsum(v))
@@ -67,7 +66,7 @@ def _edges(rows: int) -> tuple[int, ...]:
     return tuple(edge for edge in EDGES if edge <= max(rows // LEAST, EDGES[4]))
 
 
-def past(v: Floats) -> Floats:
+def past(v: Values) -> Values:
     """The autoregression of v (rows,), (order,), by least squares."""
     seen, edges = _beside_past(v), _edges(len(v))
     gram = seen.T @ seen
@@ -75,12 +74,12 @@ def past(v: Floats) -> Floats:
     return np.concatenate([np.full(j - i, one / (j - i)) for one, i, j in zip(b, edges, edges[1:], strict=False)])
 
 
-def _solved(gram: Floats, right: Floats) -> Floats:
+def _solved(gram: Values, right: Values) -> Values:
     """The solution of least squares for gram (k, k) and right (k,), with a little for what stands."""
     return np.asarray(np.linalg.solve(gram + (1e-9 * np.trace(gram) / len(gram) + 1e-300) * np.eye(len(gram)), right))
 
 
-def excitation(y: Floats, x: Floats) -> float:
+def excitation(y: Values, x: Values) -> float:
     """What the past of x (rows,) tells of y beyond y's own past [nats], less ln(n)/2 for each of its coefficients."""
     if np.ptp(x) <= 1e-9:
         return 0.0
@@ -93,7 +92,7 @@ def excitation(y: Floats, x: Floats) -> float:
     return float(0.5 * len(own) * math.log(left[0] / left[1]) - 0.5 * other.shape[1] * math.log(len(own)))
 
 
-def nugget(v: Floats) -> Floats:
+def nugget(v: Values) -> Values:
     """The variance of white noise on v (rows,), (3,): least, likeliest, most, with what sampling leaves unsure (90 %).
 
         E (v_(t+k) - v_t)^2 = 2 noise + c k^p,    p = 1 for what wanders, 2 for what is smooth
@@ -109,7 +108,7 @@ def nugget(v: Floats) -> Floats:
     return np.asarray(np.mean(found, axis=1) + np.array([-1.645, 0.0, 1.645]) * unsure)
 
 
-def wandering(v: Floats, roots: int) -> Floats:
+def wandering(v: Values, roots: int) -> Values:
     """An autoregression of v that wanders: of its differences, taken ``roots`` times, with as many roots at 1.
 
     PV is held by the controller, what the load leaves without it is not: the memory of PV would be too short for it.

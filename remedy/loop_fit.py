@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.detect.judge.actions import confirming_steps
 from stickslip.detect.likelihood.words import hides
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 from stickslip.remedy.controller import Controller
 from stickslip.remedy.left import nugget
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LoopFit"]
 
-Floats = NDArray[np.float64]
 WIDE, NARROW = 3.0, 2.0  # high over low: K and J are unknown beyond the one, K J is known within the other
 ROUGH = "the load moves as fast from row to row, so that noise does not show beside it"
 EXCITED = 20.0  # nats by which moves of SP or by hand tell PV, from which on they show the process
@@ -67,8 +66,8 @@ class LoopFit(Shown):
     gain: float
     sticks: bool
     evidence: Evidence | None
-    lefts: tuple[tuple[Floats, ...], ...]
-    begun: Floats
+    lefts: tuple[tuple[Values, ...], ...]
+    begun: Values
     notes: tuple[str, ...]
     start: datetime | None = None
     excited: float = math.inf
@@ -78,7 +77,7 @@ class LoopFit(Shown):
         """Why the record does not tell the process: nothing but PV moves the stem; "" where it does."""
         return CLOSED if not self.sticks and self.excited < EXCITED else ""
 
-    def each(self, key: str) -> Floats:
+    def each(self, key: str) -> Values:
         """A value of each loop, (loops,)."""
         return np.array([float(getattr(one, key)) for one in self.loops])
 
@@ -195,7 +194,7 @@ class LoopFit(Shown):
         return Size(None, None, None, why) if why else size_of(self.each(key), least=None if key == "tau" else 0.0)
 
     @cached_property
-    def _noise(self) -> Floats:
+    def _noise(self) -> Values:
         """Variance of white noise on PV: least, likeliest, most, (3,), the median of all loops."""
         return np.asarray(np.median([np.mean([nugget(v) for v in own], axis=0) for own in self.lefts], axis=0))
 
@@ -280,7 +279,7 @@ class LoopFit(Shown):
         return plot_fit(self)
 
 
-def _ratio(values: Floats) -> float:
+def _ratio(values: Values) -> float:
     low, high = np.percentile(np.abs(widened(values)), [5.0, 95.0])
     return float(high / low) if low > 0.0 else math.inf
 

@@ -16,13 +16,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.remedy.process import Day, Found, Loop, profiled
 from stickslip.remedy.search import at_coordinates, coordinates, half_wave, share_of_lags
 
 __all__ = ["population_of"]
 
-Floats = NDArray[np.float64]
 TEMPER = 6.0
 WALKERS, TURNS, KEPT = 14, 24, 24
 FAR = 6.0  # temperatures behind the best, at which a walker starts anew while the population forms
@@ -71,7 +70,7 @@ def _of_a_kind(days: Sequence[Day], starts: Sequence[Found]) -> tuple[list[Found
     return [one for one in starts if one.loop.integrating == kind and one.nll <= least], luck[kind]
 
 
-def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Floats:
+def _ahead(now: Found, b: Found, c: Found, turn: int, rng: np.random.Generator, time: float) -> Values:
     """Where a walker looks next: on by the difference of two others."""
     at = coordinates(now.loop, time)
     little = np.array(LITTLE[: len(at)])

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.detect.likelihood.rows import rows_of
+from stickslip.logs.arrays import Values
 from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
 
 __all__ = [
@@ -26,7 +26,6 @@ __all__ = [
     "start_noise",
 ]  # fmt: skip
 
-Floats = NDArray[np.float64]
 MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
 SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
@@ -62,11 +61,11 @@ class Day:
     Rows are samples as far as they may be: within a mean of several the controller answers, so that OP tells PV.
     """
 
-    t: Floats
+    t: Values
     dt: float
-    op: Floats
-    pv: Floats
-    sp: Floats | None
+    op: Values
+    pv: Values
+    sp: Values | None
     q: int
     between: float
 
@@ -76,18 +75,18 @@ class Day:
         return replace(self, q=max(self.q, math.ceil(len(self.op) / FEW)))
 
     @cached_property
-    def rows(self) -> Floats:
+    def rows(self) -> Values:
         """PV as rows, (rows,)."""
         n = len(self.pv) // self.q
         return np.asarray(self.pv[: n * self.q].reshape(n, self.q).mean(axis=1))
 
     @cached_property
-    def free(self) -> tuple[Floats, tuple[float, float]]:
+    def free(self) -> tuple[Values, tuple[float, float]]:
         """The rows of PV without their line, and that line."""
         return free_of_line(self.rows)
 
     @cached_property
-    def memories(self) -> tuple[Floats, Floats]:
+    def memories(self) -> tuple[Values, Values]:
         """The autoregression of PV as if it wandered: for a process that settles, and for one that integrates."""
         return wandering(self.rows, 1), wandering(self.rows, 2)
 
@@ -105,8 +104,8 @@ class Found:
 class Predicted:
     """What a loop says of the days: the likelihood of ``each`` row [nats]; of each day a stem and its answer."""
 
-    each: Floats
-    shown: tuple[Floats, ...]
+    each: Values
+    shown: tuple[Values, ...]
 
     @property
     def nll(self) -> float:
@@ -114,7 +113,7 @@ class Predicted:
         return -float(self.each.sum())
 
 
-def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
+def day_of(t: Values, op: Values, pv: Values, sp: Values | None) -> Day | None:
     """A record (n,) on an even grid made ready; None where OP or PV stands."""
     rows = rows_of(op, pv)
     if rows is None:
@@ -122,7 +121,7 @@ def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
     return Day(t, float(t[1] - t[0]), op, _noisy(pv), sp, math.ceil(len(op) / MOST), rows.between)
 
 
-def _noisy(pv: Floats) -> Floats:
+def _noisy(pv: Values) -> Values:
     """PV (n,) of a record without noise, as simulations write them, with a little; any other as it is.
 
     An autoregression tells the next row of a smooth PV to the last digit, and any loop beside the true one is then
@@ -134,7 +133,7 @@ def _noisy(pv: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def _random(samples: int, stems: int) -> Floats:
+def _random(samples: int, stems: int) -> Values:
     """Deviates (2, samples, stems): of breakaways, one stem in each ``stems``-th part of Student's t; normal ones."""
     from scipy.special import stdtrit
 
@@ -162,7 +161,7 @@ def predicted(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int 
     return Predicted(np.concatenate(each), tuple(shown))
 
 
-def fresh(days: Sequence[Day], found: Found) -> Floats:
+def fresh(days: Sequence[Day], found: Found) -> Values:
     """The log-likelihood of each row (rows,) by random numbers that did not serve to find the loop [nats].
 
     The least of many tries is so by luck too.  Of likelihoods the mean: a bank's has no bias, its logarithm has.
@@ -171,10 +170,10 @@ def fresh(days: Sequence[Day], found: Found) -> Floats:
     return np.diff(np.logaddexp.reduce(sums), prepend=math.log(len(sums)))
 
 
-_Answer = tuple[Floats, tuple[float, float]]
+_Answer = tuple[Values, tuple[float, float]]
 
 
-def _answers(days: Sequence[Day], shown: Sequence[Floats]) -> list[_Answer]:
+def _answers(days: Sequence[Day], shown: Sequence[Values]) -> list[_Answer]:
     """The rows of each day's answer without their line, and that line."""
     return [free_of_line(own[1].reshape(-1, day.q).mean(axis=1)) for own, day in zip(shown, days, strict=True)]
 
@@ -188,7 +187,7 @@ def _noises(days: Sequence[Day], answers: Sequence[_Answer], K: float) -> tuple[
     return tuple(noises)
 
 
-def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int = 3) -> tuple[Loop, tuple[Left, ...]]:
+def settled(days: Sequence[Day], one: Loop, shown: Sequence[Values], rounds: int = 3) -> tuple[Loop, tuple[Left, ...]]:
     """The loop with the gain that the answers ask for, and its noise.
 
     K keeps its sign: an answer the wrong way round is the controller's, not the process's.

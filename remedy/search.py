@@ -15,14 +15,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.remedy.left import Left
 from stickslip.remedy.process import Day, Found, Loop, predicted, profiled, settled, start_noise
 from stickslip.remedy.slips import banded
 
 __all__ = ["at_coordinates", "best_with", "best_without", "coordinates", "freed", "half_wave", "share_of_lags"]
 
-Floats = NDArray[np.float64]
 LEAST, MOST = 0.01, 0.5  # of the breakaways' spread r
 DRAWN, TURNS = 100, 7  # loops that stick, to start from, and turns of bands and path for each
 WIDE, NARROWER = 0.3, 0.75  # r at first, and over that of the turn before
@@ -153,7 +152,7 @@ def _in_turns(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Found:
 
 
 def _followed(
-    days: Sequence[Day], one: Loop, shown: Sequence[Floats], narrower: float = 1.0
+    days: Sequence[Day], one: Loop, shown: Sequence[Values], narrower: float = 1.0
 ) -> tuple[Loop, tuple[Left, ...]]:
     """The loop with the gain, the noise and the bands that its likely path asks for; r is at most ``narrower`` r.
 
@@ -173,7 +172,7 @@ def _apart(tried: Sequence[Found]) -> list[Found]:
     return [tried[i] for i in first] + [one for i, one in enumerate(tried) if i not in first]
 
 
-def coordinates(one: Loop, time: float) -> Floats:
+def coordinates(one: Loop, time: float) -> Values:
     """All that is free (6,) or, without stick, (3,); not K, which follows by least squares; ``time``: ``half_wave``."""
     stick = [math.log(one.S), one.J / one.S, math.log(one.r)] if one.S > 0.0 else []
     return np.array([math.log(one.tau), one.theta / (0.1 * time), one.tau_2 / (0.1 * time), *stick])
@@ -184,7 +183,7 @@ def share_of_lags(one: Loop, time: float) -> float:
     return min(1.0, 3.0 * (one.tau + one.tau_2 + one.theta) / time)
 
 
-def at_coordinates(one: Loop, at: Floats, time: float, dt: float) -> Loop | None:
+def at_coordinates(one: Loop, at: Values, time: float, dt: float) -> Loop | None:
     """The loop at these coordinates; None where there is none."""
     if np.abs(at).max() > 200.0:
         return None
@@ -216,7 +215,7 @@ def _better(days: Sequence[Day], start: Found, evaluations: int, whole: bool = T
     sizes = [0.3, 0.4 * late, 0.3 * late, 0.04, -0.08 if start.loop.J > 0.5 * start.loop.S else 0.08, 0.4]
     free = range(1 if start.loop.integrating else 0, len(at) if whole else 3)  # an integrator has no tau
 
-    def loss(own: Floats) -> float:
+    def loss(own: Values) -> float:
         nonlocal best
         there = at.copy() if whole else at[:3].copy()
         there[free] = own

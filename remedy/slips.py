@@ -13,17 +13,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.remedy.process import Day, Loop
 
 __all__ = ["banded"]
 
-Floats = NDArray[np.float64]
 FEWEST = 4  # slips
 NORMAL = 1.4826  # standard deviations in a median deviation
 
 
-def banded(days: Sequence[Day], one: Loop, shown: Sequence[Floats], least: float, most: float) -> Loop:
+def banded(days: Sequence[Day], one: Loop, shown: Sequence[Values], least: float, most: float) -> Loop:
     """The loop with the bands that its likely path asks for, and r between ``least`` and ``most``."""
     before, behind = [], []
     for day, (x, _) in zip(days, shown, strict=True):

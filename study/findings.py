@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.blocks.ports import nearest
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 from stickslip.study.axes import Axis, StudyError
 
 if TYPE_CHECKING:
     import polars as pl
 
-Floats = NDArray[np.float64]
 
 MOVES = 1e-3  # % of the operating point: a run whose signals move less, in the median along the chain, is at rest
 
@@ -51,7 +51,7 @@ class Findings(Shown):
         """Return the axes with more than one value."""
         return [axis for axis in self.axes if axis.law or len(axis.values) > 1]
 
-    def column(self, name: str) -> Floats:
+    def column(self, name: str) -> Values:
         """Return a column as numbers, NaN where there is none, (runs,).
 
         Raises ``StudyError`` with the nearest name if there is no such column.
@@ -60,7 +60,7 @@ class Findings(Shown):
             raise StudyError(f"the study has no column '{name}'; {nearest(name, self.table.columns)}")
         return np.asarray(self.table[name].cast(float).fill_null(math.nan).to_numpy(), dtype=float)
 
-    def percent(self, signal: str) -> Floats:
+    def percent(self, signal: str) -> Values:
         """Return the amplitude of a signal in % of its operating point, the mean of the run, (runs,).
 
         A signal that swings about zero has no such point: its amplitude is given in % of one unit, e.g. of full

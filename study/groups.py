@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.logs.oscillation import Band, band
 from stickslip.study.axes import Axis
 from stickslip.study.findings import Findings
 
-Floats = NDArray[np.float64]
 SLICES = 5  # of a random axis
 MOST = 12  # groups with a colour of their own in one picture
 
@@ -24,7 +24,7 @@ class Group:
     at: float
     runs: NDArray[np.bool_]
 
-    def band(self, values: Floats) -> Band:
+    def band(self, values: Values) -> Band:
         """Return median and 5 to 95 % of a number over these runs."""
         return band(values[self.runs].tolist())
 
@@ -48,7 +48,7 @@ def groups(result: Findings, axis: Axis | None, most: int = MOST, slices: int = 
     return found
 
 
-def bands(group: Group, columns: Sequence[Floats]) -> tuple[Floats, Floats, Floats]:
+def bands(group: Group, columns: Sequence[Values]) -> tuple[Values, Values, Values]:
     """Return median, low and high of several numbers over a group, each (numbers,)."""
     found = [group.band(column) for column in columns]
     return (

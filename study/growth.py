@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from stickslip.logs.arrays import Values
 from stickslip.logs.style import CYCLE, SOFT, tidy
 from stickslip.study.axes import Axis
 from stickslip.study.findings import Findings
@@ -13,7 +14,6 @@ from stickslip.study.groups import Group, groups
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 SHOWN = 6  # signals in one panel
 ASIDE = 0.004  # of the axis, from the bar of one signal to the next
@@ -72,7 +72,7 @@ def draw_growth(result: Findings) -> "Figure | None":
     return figure
 
 
-def _aside(at: Floats, steps: float, even_ratios: bool) -> Floats:
+def _aside(at: Values, steps: float, even_ratios: bool) -> Values:
     """Return places moved by a share of the axis, so that bars of several signals stand side by side."""
     if even_ratios:
         return np.exp(_aside(np.log(at), steps, False))

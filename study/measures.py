@@ -10,13 +10,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.declared import STUCK_MODE
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
+from stickslip.logs.arrays import Values
 from stickslip.logs.oscillation import oscillations
 
-Floats = NDArray[np.float64]
 AT_LIMIT = 1e-9  # of the limit's size, or of 1: rounding at the stop
 STANDS = 1e-12  # of the size of a signal: an amplitude below is rounding, and has no period
 
@@ -28,7 +27,7 @@ class OwnMeasures:
     """Measures in place of the usual ones: ``function`` takes times and signals of a run and gives the ``names``."""
 
     names: tuple[str, ...]
-    function: Callable[[Floats, Mapping[str, Floats]], Mapping[str, float]]
+    function: Callable[[Values, Mapping[str, Values]], Mapping[str, float]]
 
 
 class Measures:
@@ -40,7 +39,7 @@ class Measures:
         self.signals, self.since = tuple(signals), since
         self.limits = limits(diagram, signals, params)
 
-    def __call__(self, t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
+    def __call__(self, t: Values, log: Mapping[str, Values]) -> dict[str, float]:
         """Return the numbers of one run: ``SIGNAL.mean`` and so on."""
         first = int(np.searchsorted(t, self.since - 1e-9 * max(1.0, self.since)))
         late = t[first:]
@@ -105,7 +104,7 @@ def valves(diagram: Diagram) -> dict[str, tuple[int, float]]:
     return {block.name: (b, block.modes[STUCK_MODE]) for b, block in enumerate(diagram.blocks) if block.can_stick}
 
 
-def slips(events: Floats, sticky: Mapping[str, tuple[int, float]], since: float) -> dict[str, int]:
+def slips(events: Values, sticky: Mapping[str, tuple[int, float]], since: float) -> dict[str, int]:
     """Return how often each valve broke away from ``since`` [s] on; ``events`` (n, 4): t, block, before, after."""
     late = events[events[:, 0] >= since]
     away = late[late[:, 2] != late[:, 3]]

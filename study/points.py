@@ -14,13 +14,13 @@ from stickslip.blocks.block import Block
 from stickslip.blocks.ports import nearest
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.ensembles.variants import Reseedable
+from stickslip.logs.arrays import Values
 from stickslip.plant.rest import InfeasibleFeed
 from stickslip.study.axes import Axis, StudyError, Value
 from stickslip.study.design import Design
 from stickslip.study.measures import limiting
 from stickslip.study.subject import Subject, start_kicks
 
-Floats = NDArray[np.float64]
 BUILT = 512  # diagrams kept: neighbouring points share them
 
 
@@ -47,8 +47,8 @@ class Batch:
 
     reference: Diagram
     runs: tuple[int, ...]
-    params: Mapping[str, Floats]
-    start: Mapping[str, Floats]
+    params: Mapping[str, Values]
+    start: Mapping[str, Values]
     seeds: NDArray[np.int64] | None
     limits: tuple[tuple[str, float], ...]
 
@@ -251,7 +251,7 @@ def _differences(diagram: Diagram, reference: Diagram) -> tuple[dict[str, float]
     return params, start
 
 
-def _columns(rows: Sequence[Mapping[str, float]], default: Callable[[str], float]) -> dict[str, Floats]:
+def _columns(rows: Sequence[Mapping[str, float]], default: Callable[[str], float]) -> dict[str, Values]:
     """Return one column a name, with the reference's value where a row has none."""
     names = dict.fromkeys(name for row in rows for name in row)
     found = {}

@@ -4,13 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.settings import Settings
+from stickslip.logs.arrays import Values
 from stickslip.study.axes import Value
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ def as_subject(given: Subject | Diagram) -> Subject:
     return Subject(given.name, lambda _: given, stages={given.name: _moving(given)}, kicked=_measured(given))
 
 
-def start_kicks(values: Floats, count: int, seed: int, size: float) -> Floats:
+def start_kicks(values: Values, count: int, seed: int, size: float) -> Values:
     """Return start values (count, states): ``values`` (states,) times independent uniform factors 1 -+ size.
 
     A value of zero is moved by up to ``size`` in its own unit.  More kicks leave the first ones as they were.

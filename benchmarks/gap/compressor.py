@@ -5,12 +5,10 @@ is kept then is the sample before.  The samples in between come back on straight
 """
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
-def doors(t: Floats, y: Floats, deviation: float) -> Floats:
+def doors(t: Values, y: Values, deviation: float) -> Values:
     """Return a signal as it comes back from the archive."""
     kept, pivot = [0], 0
     lower, upper = -np.inf, np.inf

@@ -20,8 +20,8 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.ensembles.running import ensemble
 from stickslip.gap.insertion.effect import Effect
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 NODES = 6  # sizes of an effect's first parameter that are tried first
 SHARES = (0.15, 0.5, 0.85)  # of the range of a second one
 STEP = 1e-4  # of a range: change that shows a slope
@@ -56,7 +56,7 @@ class FreeFit:
 
     model: "FreeModel"
     values: Mapping[str, float]
-    e: Floats = field(repr=False)
+    e: Values = field(repr=False)
     cost: float
 
     @property
@@ -115,7 +115,7 @@ class FreeModel:
             found |= {f"{one.name}.{p.name}": limits[p.name] for p in one.effect.parameters}
         return found
 
-    def runs(self, many: Sequence[Mapping[str, float]]) -> Floats:
+    def runs(self, many: Sequence[Mapping[str, float]]) -> Values:
         """Return what free runs leave, (runs, rows, outputs); infinite where one fails, or values cannot be."""
         can = [values for values in many if self._can_be(values)]
         if len(can) < len(many):
@@ -164,11 +164,11 @@ class FreeModel:
             return FreeFit(self, {}, e, cost_of(e[rows], 0))
         low, high = np.array([self.bounds[name] for name in names]).T
 
-        def left(z: Floats) -> Floats:
+        def left(z: Values) -> Values:
             e = self.runs([dict(zip(names, low + z * (high - low), strict=True))])[0, rows]
             return np.asarray(np.nan_to_num(e.ravel(), nan=0.0, posinf=1e3))
 
-        def slopes(z: Floats) -> Floats:
+        def slopes(z: Values) -> Values:
             signs = np.where(z + STEP > 1.0, -STEP, STEP)
             points = [z, *(z + np.eye(len(z))[i] * signs[i] for i in range(len(z)))]
             e = self.runs([dict(zip(names, low + p * (high - low), strict=True)) for p in points])[:, rows]
@@ -184,7 +184,7 @@ class FreeModel:
         return FreeFit(self, values, e, cost_of(e[rows], len(names)))
 
 
-def cost_of(e: Floats, parameters: int) -> float:
+def cost_of(e: Values, parameters: int) -> float:
     """Return the Bayesian information criterion N_eff/2 ln(mean square) + p/2 ln(N_eff).
 
     >>> e = np.random.default_rng(0).normal(size=(1000, 1))

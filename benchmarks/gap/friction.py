@@ -6,12 +6,10 @@ f_s when it breaks away and by f_c when it has slipped, S = f_s + f_c, J = f_s -
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.gap.loop_numbers import KARNOPP, LUGRE, NAMES, NEUTRAL
 from benchmarks.gap.physics import rubbed
 
-Floats = NDArray[np.float64]
 SPEED = 0.001  # of OP in the figure [1/s]
 STEP = 0.005  # [s]
 SPRING = NEUTRAL["k"]

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 NODES = 8
 
 
@@ -24,14 +24,14 @@ class StaticMap:
     ``linear_rms`` what is left with a straight map.
     """
 
-    u: Floats
-    y: Floats
+    u: Values
+    y: Values
     tau: float
     rms: float
     linear_rms: float
 
     @property
-    def gains(self) -> Floats:
+    def gains(self) -> Values:
         """Slope of the map between neighbouring nodes [unit of y per unit of u], (nodes - 1,)."""
         return np.diff(self.y) / np.diff(self.u)
 
@@ -70,5 +70,5 @@ def static_map(t: ArrayLike, u: ArrayLike, y: ArrayLike, nodes: int = NODES) -> 
     return best
 
 
-def _lagged(X: Floats, a: float) -> Floats:
+def _lagged(X: Values, a: float) -> Values:
     return np.asarray(lfilter([0.0, 1.0 - a], [1.0, -a], X, axis=0))

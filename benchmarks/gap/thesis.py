@@ -21,14 +21,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.insertion.effect import Effect
+from stickslip.logs.arrays import Values
 
 if TYPE_CHECKING:
     from stickslip.diagram.diagram import Diagram
 
-Floats = NDArray[np.float64]
 TOLERANCE = 0.05  # of R: that of another solver and another start
 SECONDS, EVERY = 600.0, 0.1
 SIZES = 24  # of an effect's first parameter; a second one is a share of its range
@@ -96,7 +95,7 @@ def indices(changed: "Diagram", params: dict[str, Any]) -> list[tuple[float, int
     return found
 
 
-def grids(effect: Effect, diagram: "Diagram", place: str) -> dict[str, Floats]:
+def grids(effect: Effect, diagram: "Diagram", place: str) -> dict[str, Values]:
     """Return the sizes of an effect that are tried, parameter -> one value a run."""
     limits = effect.bounds(diagram, place)
     first, *others = [p for p in effect.parameters if not p.nuisance]
@@ -123,7 +122,7 @@ def scored(effect: Effect, place: str) -> Iterator[Scored]:
     yield from _nearest(effect.name, place, values, {c: _of(effect, place, values, *c) for c in _conditions()})
 
 
-def _of(effect: Effect, place: str, values: dict[str, Floats], F_s: float, K_p: float) -> list[tuple[float, int]]:
+def _of(effect: Effect, place: str, values: dict[str, Values], F_s: float, K_p: float) -> list[tuple[float, int]]:
     """Return the indices of a condition; a factor of a gain starts on the cycle of that gain."""
     of = {"process_gain": "process", "valve_gain": "process", "controller_gain": "controller"}.get(effect.name, "")
     if not of:
@@ -142,7 +141,7 @@ def _conditions() -> list[tuple[float, float]]:
 
 
 def _nearest(
-    name: str, place: str, values: dict[str, Floats], R: dict[tuple[float, float], list[tuple[float, int]]]
+    name: str, place: str, values: dict[str, Values], R: dict[tuple[float, float], list[tuple[float, int]]]
 ) -> Iterator[Scored]:
     for reading, figures in READINGS.items():
         distances = []

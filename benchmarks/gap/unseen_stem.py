@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
 from benchmarks.gap.generator import Record, packed
 from benchmarks.gap.loop_numbers import NEUTRAL
@@ -21,7 +21,6 @@ from benchmarks.gap.physics import run
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, whitened, whitening
 
-Floats = NDArray[np.float64]
 STEMS = 400
 REACH = 40  # rows that a load of one row is felt
 REPEATS = 0.02  # share by which a breakaway differs from stem to stem
@@ -31,7 +30,7 @@ EVEN = 0.5  # share of the stems that must count
 
 
 def nats(
-    e: Floats, h: Floats, OP: Floats, random: float, S: float, J: float, every: int, first: int, seed: int = 0
+    e: Values, h: Values, OP: Values, random: float, S: float, J: float, every: int, first: int, seed: int = 0
 ) -> float:
     """Return by how many nats a stem with ``S`` and ``J`` is likelier than one that follows OP.
 
@@ -91,7 +90,7 @@ def by_tolerances(record: Record) -> float:
     """
     loop, nominal, logged = SETTINGS[record.setting], {**NEUTRAL, **SETTINGS[record.setting].numbers}, _read(record)
 
-    def seen(base: Mapping[str, float]) -> tuple[Floats, float]:
+    def seen(base: Mapping[str, float]) -> tuple[Values, float]:
         A, W = whitening(record.setting, tuple(float(v) for v in base.values()))
         return judged(logged - kept(record.setting, _answered(record, base)), A, W).ravel(), np.linalg.slogdet(W)[1]
 
@@ -115,13 +114,13 @@ def by_tolerances(record: Record) -> float:
     return -float(g @ x + 0.5 * x @ H @ x)
 
 
-def _answered(record: Record, numbers: Mapping[str, float]) -> Floats:
+def _answered(record: Record, numbers: Mapping[str, float]) -> Values:
     """Return what a loop with these numbers makes of the set point, without noise and load, a value a second."""
     sp, none = record.set_point, np.zeros(len(record.set_point))
     return np.asarray(run(packed(numbers), sp, none, none, none, none, STEPS, float(sp[0])))
 
 
-def _read(record: Record) -> Floats:
+def _read(record: Record) -> Values:
     """Return the logged signals, (rows, signals)."""
     names = ("L", "SP", "PV", "OP") if "L" in record.signals else ("PV", "OP")
     return np.stack([record.signals[name] for name in names], axis=1)

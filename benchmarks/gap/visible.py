@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
 from benchmarks.gap.generator import Record, packed
 from benchmarks.gap.loop_numbers import NAMES, NEUTRAL
@@ -30,8 +31,7 @@ from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
 from benchmarks.gap.unseen_stem import by_tolerances, of_stem, sizes
 from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, noise_of, whitening
 
-Floats = NDArray[np.float64]
-Acts = Callable[[Mapping[str, float], Floats], Mapping[str, float]]
+Acts = Callable[[Mapping[str, float], Values], Mapping[str, float]]
 TRACE = 6.5  # nats below which a test with one false alarm in 300 records misses an effect more often than not
 TIE = 6.0  # nats within which two effects leave the same log
 FINE = 20  # steps of the integration a second where something has memory, or a dead time is to be told from a lag
@@ -77,7 +77,7 @@ def told_apart(record: Record, other: str) -> float:
         return float("inf")
     if other in WAVES:
 
-        def wave(base: Mapping[str, float], x: Floats) -> dict[str, float]:
+        def wave(base: Mapping[str, float], x: Values) -> dict[str, float]:
             its = {
                 "amplitude": values["amplitude"] * x[0], "period": values["period"] * (1.0 + 0.1 * x[1]),
                 "phase": values["phase"] + x[2],
@@ -87,7 +87,7 @@ def told_apart(record: Record, other: str) -> float:
         return _least(record, wave, [np.array([share, 0.0, 0.0]) for share in SIZES])
     typical = SITE[other][1] * (loop.slow if other in OF_TIME else loop.span if other in OF_PV else 1.0)
 
-    def act(base: Mapping[str, float], x: Floats) -> dict[str, float]:
+    def act(base: Mapping[str, float], x: Values) -> dict[str, float]:
         size = typical ** float(x[0]) if other in FACTORS else typical * float(x[0])
         return {**base, **ACTS[other]({key: size, "time": 0.0}, dict(base))}
 
@@ -124,7 +124,7 @@ def visible(row: Mapping[str, Any]) -> bool:
     return bool(row["visible"] > VISIBLE and (row.get("told") is None or row["told"] > TRACE))
 
 
-def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
+def _least(record: Record, act: Acts, starts: Sequence[Values]) -> float:
     """Return the least nats over tolerances, and over the numbers of another effect; ``starts`` of these."""
     loop = SETTINGS[record.setting]
     nominal = {**NEUTRAL, **loop.numbers}
@@ -133,7 +133,7 @@ def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     steps = FINE if bends or "dead_time" in record.effects else STEPS
     true = _made(record, record.numbers, steps, bends)
 
-    def numbers(x: Floats) -> dict[str, float]:
+    def numbers(x: Values) -> dict[str, float]:
         base = dict(nominal)
         for k, (key, share) in enumerate(loop.within.items()):
             base[key] *= 1.0 + share * x[k]
@@ -141,14 +141,14 @@ def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
                 base["second"] *= 1.0 + share * x[k]
         return dict(act(base, x[within:]))
 
-    def left(x: Floats) -> Floats:
+    def left(x: Values) -> Values:
         """Whitened differences, each row of unit variance."""
         other = _made(record, numbers(x), steps, bends)
         e = judged(true - other, A, W)
         e[_limited(true, other)] = 0.0
         return np.asarray(e.ravel())
 
-    def nats(x: Floats) -> float:
+    def nats(x: Values) -> float:
         e = left(x)
         return 0.5 * float(e @ e) if np.isfinite(e).all() else BEYOND
 
@@ -177,7 +177,7 @@ def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     return least + (0.0 if bends else _of_noise(record, numbers(best)))
 
 
-def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
+def _limited(one: Values, other: Values) -> NDArray[np.bool_]:
     """Return the whitened rows of which a controller's output at a limit is part, where no loop is linear, (rows,)."""
     found = np.zeros(len(one), dtype=bool)
     for rows in (one, other):
@@ -198,7 +198,7 @@ def _of_noise(record: Record, other: Mapping[str, float]) -> float:
     return len(record.signals["time"]) * max(loss[0] - loss[1], 0.0)
 
 
-def _made(record: Record, numbers: Mapping[str, float], steps: int, random: bool) -> Floats:
+def _made(record: Record, numbers: Mapping[str, float], steps: int, random: bool) -> Values:
     """Return the logged signals of a loop with these numbers, not rounded, (rows, signals).
 
     With the ``random`` numbers of the record, or without noise.  A dead time between two steps lies between both.

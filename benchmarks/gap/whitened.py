@@ -3,31 +3,30 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
 from benchmarks.gap.generator import autoregression
 from benchmarks.gap.physics import run
 from benchmarks.gap.settings import SETTINGS
 
-Floats = NDArray[np.float64]
 ORDER = 24  # rows that whitening looks back
 HOURS = 100  # of noise that it is fitted to
 STEPS = 5  # of the integration a second
 FIRST = 60  # rows that no diagnosis judges
 
 
-def kept(setting: str, out: Floats) -> Floats:
+def kept(setting: str, out: Values) -> Values:
     """Return what a log keeps of the loop at whole seconds, not rounded, (rows, signals); OP is the last signal."""
     loop = SETTINGS[setting]
     return np.asarray(out[:: loop.every][:, [5, 0, 1, 2] if "outer_K" in loop.numbers else [1, 2]])
 
 
-def judged(d: Floats, A: Floats, W: Floats) -> Floats:
+def judged(d: Values, A: Values, W: Values) -> Values:
     """Return the whitened rows that a diagnosis judges."""
     return whitened(d, A, W)[max(FIRST, ORDER) :]
 
 
-def whitened(d: Floats, A: Floats, W: Floats) -> Floats:
+def whitened(d: Values, A: Values, W: Values) -> Values:
     """Return whitened rows, each signal of unit variance: W (d_k - sum A_j d_k-j)."""
     e = d.copy()
     for j, a in enumerate(A, start=1):
@@ -36,7 +35,7 @@ def whitened(d: Floats, A: Floats, W: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def noise_of(setting: str, numbers: tuple[float, ...]) -> Floats:
+def noise_of(setting: str, numbers: tuple[float, ...]) -> Values:
     """Return what the noise of a loop makes of its logged signals, always of the same random numbers."""
     loop = SETTINGS[setting]
     rng = np.random.default_rng([3, list(SETTINGS).index(setting)])
@@ -52,7 +51,7 @@ def noise_of(setting: str, numbers: tuple[float, ...]) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def whitening(setting: str, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
+def whitening(setting: str, numbers: tuple[float, ...]) -> tuple[Values, Values]:
     """Return (A_j, W) that make the noise of a loop's logged signals white, of unit variance."""
     rows = noise_of(setting, numbers)
     scale = rows.std(axis=0)

@@ -12,13 +12,12 @@ import argparse
 import math
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.calibration.crossed.drawing import Drawn, draw
 from stickslip.calibration.crossed.history import seen
 from stickslip.calibration.crossed.loops import Numbers, run
 from stickslip.calibration.crossed.tuning import tuned
+from stickslip.logs.arrays import Values
 
-Values = npt.NDArray[np.float64]
 ORDERS = (1, 2, 3, 5, 8, 12)  # of the noise
 STEPS_MAX = 1_500_000  # of a simulation
 NATS = (0.0, 3.0, 5.0, 10.0, 20.0)

@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.calibration.crossed.stems import LAWS as ALL
 from stickslip.logs import LoopRecord
+from stickslip.logs.arrays import Values
 from stickslip.remedy.measures.setting import Setting
 from stickslip.remedy.trial import AWAY, NOTHING
 
@@ -19,7 +19,6 @@ from benchmarks.remedy.running import Numbers, Settings, run
 
 __all__ = ["LAWS", "Plant"]
 
-Floats = NDArray[np.float64]
 SAMPLES = 4_000
 SKIPPED = 0.15
 LAWS = ("karnopp", "stribeck", "lugre", "kano", "backlash_and_stick", "sound")
@@ -38,7 +37,7 @@ class Loads(NamedTuple):
     rate: float
     jump: float
 
-    def drawn(self, r: Any, samples: int = SAMPLES) -> Floats:
+    def drawn(self, r: Any, samples: int = SAMPLES) -> Values:
         """A load, (samples,)."""
         load = self.wander * _wander(r, self.memory, samples)
         at = np.flatnonzero(r.random(samples) < self.rate)
@@ -58,9 +57,9 @@ class Plant:
     settings: Settings
     loads: Loads
     noise_sd: float  # [unit of PV]
-    sp: Floats = field(repr=False)
-    load: Floats = field(repr=False)
-    noise: Floats = field(repr=False)
+    sp: Values = field(repr=False)
+    load: Values = field(repr=False)
+    noise: Values = field(repr=False)
 
     @classmethod
     def drawn(cls, seed: int) -> Plant:
@@ -161,7 +160,7 @@ class Plant:
         lags = n.T_1 + n.T_2 + n.T_3 + n.theta + n.air
         return {"S": n.S, "J": n.J, "K": n.K, "KJ": n.K * n.J, "lags": lags}
 
-    def log(self, setting: Setting = NOTHING) -> Floats:
+    def log(self, setting: Setting = NOTHING) -> Values:
         """PV, OP and stem (3, samples) with a setting of the advice."""
         p, factors, own = setting.params, setting.factors, self.settings
         dt = self.dt
@@ -205,7 +204,7 @@ class Plant:
         return float(np.std((self.sp - pv)[first:])), travel
 
 
-def _wander(r: Any, memory: float, samples: int) -> Floats:
+def _wander(r: Any, memory: float, samples: int) -> Values:
     """A first-order wander of spread 1 and ``memory`` [samples], or a walk."""
     from scipy.signal import lfilter
 

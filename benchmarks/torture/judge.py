@@ -15,15 +15,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram import simulate
 from stickslip.diagram.reference import simulate_reference
+from stickslip.logs.arrays import Values
 from stickslip.logs.time_limit import time_limit
 
 from benchmarks.torture.c_program import NoCompiler, OracleFailed, covers, program, solve
 from benchmarks.torture.draw import Drawn
 
-Floats = NDArray[np.float64]
 AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the signal
 ITSELF = 0.1  # of AGREED: who differs more from itself decides nothing
 STEPS = 3_000_000
@@ -92,7 +91,7 @@ def judge(drawn: Drawn) -> Judgement:
     return Judgement(seed, "finding", oracle, _described(drawn, difference, apart), worst, **cost)
 
 
-def _difference(drawn: Drawn, theirs: Floats) -> Floats:
+def _difference(drawn: Drawn, theirs: Values) -> Values:
     """Return how far the oracle's rows lie outside of what the engine, run finely, has around each time."""
     around = [np.clip(drawn.times + shift, 0.0, drawn.duration) for shift in (-NEAR, 0.0, NEAR)]
     times = np.unique(np.concatenate(around))
@@ -102,7 +101,7 @@ def _difference(drawn: Drawn, theirs: Floats) -> Floats:
     return np.maximum(np.maximum(ours.min(axis=0) - theirs, theirs - ours.max(axis=0)), 0.0)
 
 
-def _described(drawn: Drawn, difference: Floats, apart: Floats) -> str:
+def _described(drawn: Drawn, difference: Values, apart: Values) -> str:
     """Say which signals differ, from when on, and whether a block with states is among them."""
     signals = drawn.diagram.signals
     wrong = [signals[i] for i in np.flatnonzero(apart > 1.0)]
@@ -120,7 +119,7 @@ def _described(drawn: Drawn, difference: Floats, apart: Floats) -> str:
     )
 
 
-def _asked(drawn: Drawn, oracle: str, turn: int) -> Floats:
+def _asked(drawn: Drawn, oracle: str, turn: int) -> Values:
     """Return the oracle's signals, (times, signals)."""
     if oracle == "c":
         return solve(drawn.diagram, drawn.duration, drawn.times, SHARES[turn])

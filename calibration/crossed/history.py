@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from stickslip.calibration.crossed.drawing import Drawn
 from stickslip.calibration.crossed.loops import run
 from stickslip.calibration.crossed.tuning import tuned
 from stickslip.logs import LoopRecord
-
-Values = npt.NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.answers.evidence import Evidence
 from stickslip.gap.answers.seen import Seen
+from stickslip.logs.arrays import Values
 from stickslip.logs.chances import chance
 from stickslip.logs.shown import Shown
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from stickslip.diagram.diagram import Diagram
 
-Floats = NDArray[np.float64]
 VAGUE = 0.6  # width of an interval that tells nothing
 UNKNOWN = "unknown"
 
@@ -112,8 +111,8 @@ class GapReport(Shown):
     shrinkage: Shrinkage | None
     words: tuple[str, ...]
     notes: tuple[str, ...]
-    t: Floats
-    residuals: Mapping[str, Floats]
+    t: Values
+    residuals: Mapping[str, Values]
     diagram: "Diagram"
     evidence: Evidence | None = None
     seen: tuple[Seen, ...] = ()

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.noise import seeded
 from stickslip.blocks.role import Role
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 STEP = 1e-3  # of a state or an input
 STRAIGHT = 1e-6  # by how much of what the step changes a block may bend
 ROUNDED = 1e-13  # of the sizes that are summed: more cannot be told from rounding
@@ -32,11 +31,11 @@ class Affine:
     """``states`` that count; next states (or rates) and outputs, (rows, states + inputs + 2): columns x, u, t and 1."""
 
     states: tuple[str, ...]
-    moved: Floats
-    given: Floats
+    moved: Values
+    given: Values
 
 
-def affine(block: Block, u: Floats) -> Affine:
+def affine(block: Block, u: Values) -> Affine:
     """Return a block near its start values and the inputs ``u``; without its dead time.
 
     Raises ``NotAffine`` for a block that bends there.
@@ -74,7 +73,7 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
     x = np.array(block.seen_start(), dtype=float)
     kept = [i for i, name in enumerate(names) if name not in RANDOM]
 
-    def f(z: Floats, t: float = 0.0) -> Floats:
+    def f(z: Values, t: float = 0.0) -> Values:
         full = x.copy()
         full[kept] = z[: len(kept)]
         rates = np.asarray(block.dynamics(t, full, z[len(kept) :]), dtype=float)
@@ -105,7 +104,7 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
     return Affine(tuple(names[i] for i in kept), table[: len(kept)], table[len(kept) :])
 
 
-def straight_between(block: Block, middle: Floats, ends: Sequence[Floats], t: Floats) -> None:
+def straight_between(block: Block, middle: Values, ends: Sequence[Values], t: Values) -> None:
     """Raise ``NotAffine`` for a block that is not the same line at ``ends`` of what enters it as in the ``middle``, or
     not one in the time from the first to the last of ``t`` [s].
     """

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.integrator import Integrator
 from stickslip.blocks.recorded import Recorded
@@ -24,12 +23,12 @@ from stickslip.gap.exact.scanned import Scanned, scanned
 from stickslip.gap.exact.scans import Scans
 from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 UNSURE, LEAST = 0.02, 1e-3  # of its size: what is not known of a state at the start; size of one that starts at less
 
 
-def start_spread(start: Floats, names: Sequence[str], unsure: Mapping[str, float]) -> Floats:
+def start_spread(start: Values, names: Sequence[str], unsure: Mapping[str, float]) -> Values:
     """Return by how much each state may start elsewhere: what is said of those with ``names``, or a share of its size.
 
     >>> start_spread(np.array([5.0, 0.0]), ["tank.level"], {"tank.level": 2.0})
@@ -53,7 +52,7 @@ class Exact:
     scans: Scans
     unsure: Mapping[str, float] = field(default_factory=dict)
     known: dict[tuple[object, ...], Rows] = field(default_factory=dict)
-    waved: dict[tuple[object, ...], Floats] = field(default_factory=dict)
+    waved: dict[tuple[object, ...], Values] = field(default_factory=dict)
 
     @cached_property
     def visited(self) -> tuple[dict[str, float], ...]:
@@ -94,8 +93,8 @@ class Exact:
             straight_between(inside(block, self.visited[0]), middle, ends, self.record.log.t)
 
     def filtered(
-        self, params: Mapping[str, float], sizes: Mapping[str, tuple[float, float]], Y: Floats, r: Floats
-    ) -> tuple[Floats, Floats, Floats]:
+        self, params: Mapping[str, float], sizes: Mapping[str, tuple[float, float]], Y: Values, r: Values
+    ) -> tuple[Values, Values, Values]:
         """Return innovations of unit variance, their variances, and what the mean showed, (rows, signals) each.
 
         ``params`` block.parameter -> value; ``sizes`` source of random numbers -> (standard deviation, correlation time
@@ -151,12 +150,12 @@ class Exact:
         return scanned(blocks, noise, self.scans.controllers, self.signals, (*self.record.played, *waves.values()),
                        self.visited[0], self.scans.period, cut)  # fmt: skip
 
-    def inputs(self, params: Mapping[str, float]) -> Floats:
+    def inputs(self, params: Mapping[str, float]) -> Values:
         """Return the inputs at each scan: what is logged, the mean of each wave over the scan, the time, 1."""
         means = [self._means(b, params) for b in self.waves]
         return np.column_stack([self.scans.u[:, :-2], *means, self.scans.u[:, -2:]]) if means else self.scans.u
 
-    def _means(self, block: Block, params: Mapping[str, float]) -> Floats:
+    def _means(self, block: Block, params: Mapping[str, float]) -> Values:
         """Return the means of a wave over each scan, (scans, outputs)."""
         own = {name: params[f"{block.name}.{name}"] for name in block.param_names if f"{block.name}.{name}" in params}
         t, h = self.scans.u[:, -2], self.scans.period

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.exact.scanned import Scanned
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,14 +23,14 @@ class Rows:
     controllers, ``of`` which each is.
     """
 
-    A: Floats
-    Q: Floats
-    H: Floats
-    inputs: Floats
+    A: Values
+    Q: Values
+    H: Values
+    inputs: Values
     firsts: NDArray[np.int64]
     turn: int
-    start: Floats
-    variance: Floats
+    start: Values
+    variance: Values
     memory: NDArray[np.int64]
     of: NDArray[np.int64]
 
@@ -39,7 +38,7 @@ class Rows:
         """Return of which kind each row is."""
         return np.searchsorted(self.firsts, every * np.arange(rows) % self.turn)
 
-    def added(self, u: Floats, every: int, kind: NDArray[np.int64]) -> Floats:
+    def added(self, u: Values, every: int, kind: NDArray[np.int64]) -> Values:
         """Return what inputs ``u`` (scans, kinds of inputs) add at each row, (rows, signals + n)."""
         each = np.vstack([u, np.repeat(u[-1:], every - 1, axis=0)])[: len(kind) * every].reshape(len(kind), -1)
         found = np.empty((len(kind), self.inputs.shape[1]))
@@ -48,7 +47,7 @@ class Rows:
         return found
 
 
-def by_rows(one: Scanned, every: int, variance: Floats) -> Rows:
+def by_rows(one: Scanned, every: int, variance: Values) -> Rows:
     """Return the steps of a diagram from row to row; a row comes ``every`` scans; ``variance`` of z at first."""
     n, m, q = one.n, len(one.H), len(one.kinds)
     turn = math.lcm(*one.period.tolist())

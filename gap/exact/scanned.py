@@ -22,8 +22,8 @@ from stickslip.blocks.block import Block
 from stickslip.gap.exact.affine import Affine, NotAffine, affine
 from stickslip.gap.exact.operating import ONLOOKERS, inside
 from stickslip.gap.records.model import Nuisance
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 LATE = 100  # scans of dead time at most: each is one more z, and the work grows with the cube of their number
 
@@ -40,26 +40,26 @@ class Scanned:
     """
 
     kinds: tuple[str, ...]
-    F: Floats
-    v: Floats
-    H: Floats
-    Q: Floats
+    F: Values
+    v: Values
+    H: Values
+    Q: Values
     memory: Whole
     of: Whole
     last: Whole
     period: Whole
     offset: Whole
-    start: Floats
+    start: Values
     states: tuple[str, ...]
     drawn: Whole
-    told: Floats | None = None
+    told: Values | None = None
 
     @property
     def n(self) -> int:
         """Length of z."""
         return len(self.start)
 
-    def closed(self, k: int) -> tuple[Floats, Floats]:
+    def closed(self, k: int) -> tuple[Values, Values]:
         """Return next z, and the logged signals, at scan ``k`` as they follow [z, u], controllers in the loop."""
         n, C = self.n, len(self.v)
         acts = (k - self.offset) % self.period == 0
@@ -124,7 +124,7 @@ def scanned(
     at_in = n + len(ops) + (1 if cut else 0)
     N = at_in + len(kinds)
     unit = np.eye(N)
-    in_force: dict[str, Floats] = {}
+    in_force: dict[str, Values] = {}
     for j, one in enumerate(noise):
         in_force[one.block] = in_force.get(one.block, 0.0) + unit[len(own) + j]
     delayed = {(name, i): unit[first + length - 1] for name, i, first, length, _ in lines}
@@ -155,7 +155,7 @@ def scanned(
         G[place[s]], r[place[s]] = 0.0, unit[n + c]
     if cut:
         G[place[cut]], r[place[cut]] = 0.0, unit[n + len(ops)]
-    s_now: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
+    s_now: Values = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
     given = raw_G @ s_now + raw_r  # what controllers give now
     F = np.zeros((n, N))
     for b in blocks:
@@ -180,10 +180,10 @@ def scanned(
                 for j in range(k):
                     direct[place[str(s)], index.index(first + j)] = row[j]
     # a signal between scans = still + free (x - x_k): sampled outputs are held
-    free: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G_c, direct), dtype=float)
+    free: Values = np.asarray(np.linalg.solve(np.eye(len(signals)) - G_c, direct), dtype=float)
     A = np.zeros((len(index), len(index)))
     rate = np.zeros((len(index), N))  # at x = x_k, delayed inputs as at the scan
-    late_part: dict[tuple[str, int], Floats] = {}
+    late_part: dict[tuple[str, int], Values] = {}
     row0 = 0
     for b, first, k in moving:
         a = rows_of[b.name][2]
@@ -256,22 +256,22 @@ def _scans(blocks: Sequence[Block], acting: Sequence[Block], h: float) -> tuple[
 
 
 def _moved(
-    b: Block, a: Affine, first: int, s: Floats, unit: Floats, place: dict[str, int],
-    delayed: dict[tuple[str, int], Floats], at_t: int,
-) -> Floats:  # fmt: skip
+    b: Block, a: Affine, first: int, s: Values, unit: Values, place: dict[str, int],
+    delayed: dict[tuple[str, int], Values], at_t: int,
+) -> Values:  # fmt: skip
     """Return the next memories of a sampled block as rows over all columns."""
     k, m = len(a.states), len(b.input_labels)
     inputs = np.array(
         [delayed[b.name, j] if (b.name, j) in delayed else s[place[str(one)]] for j, one in enumerate(b.input_labels)]
     ).reshape(m, unit.shape[1])
-    found: Floats = a.moved[:, :k] @ unit[first : first + k] + a.moved[:, k : k + m] @ inputs
+    found: Values = a.moved[:, :k] @ unit[first : first + k] + a.moved[:, k : k + m] @ inputs
     return found + np.outer(a.moved[:, k + m], unit[at_t]) + np.outer(a.moved[:, k + m + 1], unit[at_t + 1])
 
 
-def _held(A: Floats, t: float) -> Floats:
+def _held(A: Values, t: float) -> Values:
     """Return the integral of exp(A s) from 0 to t."""
     n = len(A)
     both = np.zeros((2 * n, 2 * n))
     both[:n, :n], both[:n, n:] = A * t, np.eye(n) * t
-    found: Floats = expm(both)[:n, n:]
+    found: Values = expm(both)[:n, n:]
     return found

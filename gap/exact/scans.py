@@ -10,8 +10,8 @@ from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.paths import made_of
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 EVEN = 1e-6  # of a scan, by which a row may lie off it
 SELDOM = 0.05  # share of rows behind which an output may have been at a limit
 UNSEEN = 0.5  # of the largest change of an output from row to row: as far it may have gone beyond between two
@@ -27,7 +27,7 @@ class Scans:
     period: float
     every: int
     controllers: tuple[str, ...]
-    u: Floats
+    u: Values
     limited: NDArray[np.bool_]
 
     @property
@@ -90,7 +90,7 @@ def _from_outside(diagram: Diagram, acting: list[Block]) -> tuple[str, ...]:
     return tuple(b.name for b in sorted(acting, key=depth))
 
 
-def _inputs(record: Record, period: float, every: int) -> Floats:
+def _inputs(record: Record, period: float, every: int) -> Values:
     """Return logged inputs, held between their switches, the time and 1, at each scan."""
     log = record.log
     count = (len(log) - 1) * every + 1

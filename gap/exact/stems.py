@@ -28,9 +28,9 @@ from numpy.typing import NDArray
 from stickslip.gap.exact.kalman import measurement_update, time_update
 from stickslip.gap.exact.scanned import Scanned
 from stickslip.gap.floors.modes import CHARGE
+from stickslip.logs.arrays import Values
 from stickslip.logs.compiled import njit
 
-Floats = NDArray[np.float64]
 FAR = 2.5  # standard deviations of OP beyond which the next row does not lead a stem
 LEAST = 1e-6  # share of a variance that is left
 REPEATS = (
@@ -43,16 +43,16 @@ TURNS = 80  # rows after which gains have settled
 
 def left_by_stems(
     one: Scanned,
-    u: Floats,
+    u: Values,
     every: int,
-    Y: Floats,
-    r: Floats,
+    Y: Values,
+    r: Values,
     S: float,
     J: float,
     count: int,
     seed: int,
     again: NDArray[np.int64] | None = None,
-) -> tuple[Floats, Floats, Floats]:
+) -> tuple[Values, Values, Values]:
     """Return deviates of the innovations (rows, signals), the loss of each row [nats], and where one likely stem stood
     at each scan.
 
@@ -87,14 +87,14 @@ def left_by_stems(
 
 
 @lru_cache(maxsize=1)
-def _numbers(seed: int, count: int, scans: int, controllers: int, rows: int) -> tuple[Floats, Floats, Floats]:
+def _numbers(seed: int, count: int, scans: int, controllers: int, rows: int) -> tuple[Values, Values, Values]:
     """Return the random numbers of a bank: draws of OP, (scans, controllers, stems), of rows and of breakaways."""
     rng = np.random.default_rng([seed, count])
     draws, turns = rng.normal(size=(scans, controllers, count)), rng.random(rows)
     return draws, turns, 1.0 + REPEATS * rng.normal(size=count)
 
 
-def _ahead(one: Scanned, seen: Floats, follows: Floats, r: Floats, every: int) -> tuple[Floats, Floats, Floats]:
+def _ahead(one: Scanned, seen: Values, follows: Values, r: Values, every: int) -> tuple[Values, Values, Values]:
     """Return how the next row follows z and a stem that stays at each scan before it, and the variance of the rest."""
     at_mv = one.n + len(one.v)
     G, b, R = np.empty((every, *seen.shape)), np.empty((every, len(seen))), np.empty((every, len(seen), len(seen)))
@@ -107,7 +107,7 @@ def _ahead(one: Scanned, seen: Floats, follows: Floats, r: Floats, every: int) -
     return G, b, R
 
 
-def _known(one: Scanned, u: Floats, seen: Floats, follows: Floats, every: int, rows: int) -> Floats:
+def _known(one: Scanned, u: Values, seen: Values, follows: Values, every: int, rows: int) -> Values:
     """Return what inputs alone make of the row behind each row, (rows, signals)."""
     n, C = one.n, len(one.v)
     OP = np.zeros((C, len(u)))
@@ -123,7 +123,7 @@ def _known(one: Scanned, u: Floats, seen: Floats, follows: Floats, every: int, r
     return found
 
 
-def likely_path(stood: NDArray[np.floating], came: NDArray[np.integer], row_of: NDArray[np.int64]) -> Floats:
+def likely_path(stood: NDArray[np.floating], came: NDArray[np.integer], row_of: NDArray[np.int64]) -> Values:
     """Return where one likely stem of a bank stood at each stop.
 
     ``stood`` (stops, stems) where each was, ``came`` (rows, stems) of which stem each came behind a row, ``row_of`` the
@@ -137,7 +137,7 @@ def likely_path(stood: NDArray[np.floating], came: NDArray[np.integer], row_of: 
     return found
 
 
-def _deviates(below: Floats) -> Floats:
+def _deviates(below: Values) -> Values:
     """Return the normal deviates of shares below them."""
     from scipy.special import ndtri
 

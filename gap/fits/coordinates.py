@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.insertion.effect import Effect
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 WIDEST = 0.7  # largest change of a coordinate in one step
 
 
@@ -68,13 +67,13 @@ def value(one: Fitted, name: str, x: float) -> float:
     return float(np.clip(size, *one.bounds[name]))
 
 
-def moved(one: Fitted, names: Sequence[str], values: Mapping[str, float], d: Floats) -> dict[str, float]:
+def moved(one: Fitted, names: Sequence[str], values: Mapping[str, float], d: Values) -> dict[str, float]:
     """Return values whose coordinates are so far away."""
     return {name: value(one, name, coordinate(one, name, values[name]) + x)
             for name, x in zip(names, d.tolist(), strict=True)}  # fmt: skip
 
 
-def spreads(one: Fitted, names: Sequence[str], values: Mapping[str, float], information: Floats) -> dict[str, float]:
+def spreads(one: Fitted, names: Sequence[str], values: Mapping[str, float], information: Values) -> dict[str, float]:
     """Return the standard deviation of each parameter, in its unit, from Fisher's information of the coordinates."""
     sd = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information)), 0.0)) if len(names) else np.zeros(0)
     return {
@@ -84,8 +83,8 @@ def spreads(one: Fitted, names: Sequence[str], values: Mapping[str, float], info
 
 
 def step(
-    one: Fitted, names: Sequence[str], values: Mapping[str, float], g: Floats, information: Floats, damped: float
-) -> tuple[Floats, float]:
+    one: Fitted, names: Sequence[str], values: Mapping[str, float], g: Values, information: Values, damped: float
+) -> tuple[Values, float]:
     """Return the step within bounds, and the nats that it promises; what wants to leave its bounds stays at them."""
     at = np.array([coordinate(one, name, values[name]) for name in names])
     ends = np.array([[coordinate(one, name, end) for end in one.bounds[name]] for name in names])
@@ -95,7 +94,7 @@ def step(
     return _within(g, information, damped, np.maximum(ends[:, 0] - at, -widest), np.minimum(ends[:, 1] - at, widest))
 
 
-def _within(g: Floats, information: Floats, damped: float, low: Floats, high: Floats) -> tuple[Floats, float]:
+def _within(g: Values, information: Values, damped: float, low: Values, high: Values) -> tuple[Values, float]:
     n = len(g)
     A = information + damped * np.diag(np.diag(information)) + 1e-12 * np.trace(information) * np.eye(n)
     held = ((low >= -1e-12) & (g > 0.0)) | ((high <= 1e-12) & (g < 0.0))

@@ -3,15 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.straightness import deviation_of, sloping
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.record import rounding
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse, or a compression shows
 FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
@@ -22,7 +21,7 @@ ROUNDED = 0.4  # share from which on rounding draws the lines, and a historian i
 NEITHER_COARSER = 0.5  # of the step that the levels show: a model whose sensor has such a step has none to find
 
 
-def levels(values: Floats) -> float:
+def levels(values: Values) -> float:
     """Return the step between the few levels of a measurement, which the log may have rounded again; 0 for none.
 
     >>> levels(np.round(np.round(np.random.default_rng(0).normal(1.5, 0.1, 999) / 0.019) * 0.019 / 0.0015) * 0.0015)
@@ -42,7 +41,7 @@ def levels(values: Floats) -> float:
     return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
 
 
-def measured_by(held: Held, place: str) -> tuple[str, Floats]:
+def measured_by(held: Held, place: str) -> tuple[str, Values]:
     """Return the logged signal of a sensor, and its values; none if it is not logged."""
     signal = next((str(s) for s in held.quiet[place].output_labels if str(s) in held.signals), "")
     return signal, held.Y[:, held.signals.index(signal)] if signal else np.zeros(0)

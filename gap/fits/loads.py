@@ -9,12 +9,11 @@ few Fourier transforms.  The best few are then asked of the likelihood.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import NU
 from stickslip.gap.insertion.effect import Effect
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a drift
 SHORTEST = 4.0  # period, in rows
 TRIED = 4  # shapes that are replayed
@@ -33,9 +32,9 @@ def planned(
     effect: Effect | None,
     base: Diagram,
     place: str,
-    t: Floats,
-    e: Floats,
-    h: Floats,
+    t: Values,
+    e: Values,
+    h: Values,
 ) -> list[dict[str, float]]:
     """Return the sizes of a planned load that suit innovations ``e`` (rows, signals) at the times ``t`` [s] best.
 
@@ -48,7 +47,7 @@ def planned(
     return _periods(t, e, h, _harmonics(effect, base, place))
 
 
-def trimmed(e: Floats) -> list[Floats]:
+def trimmed(e: Values) -> list[Values]:
     """Return innovations with the weight that Student's loss gives them, unknown ones 0.
 
     At the scale of most rows; and, where a few rows are far beyond it, at theirs too: a step near the end of a record
@@ -63,7 +62,7 @@ def trimmed(e: Floats) -> list[Floats]:
         return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
 
 
-def _steps(t: Floats, e: Floats, h: Floats) -> list[dict[str, float]]:
+def _steps(t: Values, e: Values, h: Values) -> list[dict[str, float]]:
     """Return amplitude and time of the best steps, and of one before the first row."""
     n = len(e)
     H = np.zeros((n, h.shape[1]))
@@ -80,7 +79,7 @@ def _steps(t: Floats, e: Floats, h: Floats) -> list[dict[str, float]]:
     return [*found, {"amplitude": hit[0] / power[0], "time": 0.0}]
 
 
-def _periods(t: Floats, e: Floats, h: Floats, harmonics: list[complex]) -> list[dict[str, float]]:
+def _periods(t: Values, e: Values, h: Values, harmonics: list[complex]) -> list[dict[str, float]]:
     """Return amplitude, period and phase of the best periodic loads with these harmonics, no shorter than ``SHORTEST``
     rows.
     """
@@ -120,7 +119,7 @@ def _harmonics(effect: Effect, base: Diagram, place: str) -> list[complex]:
     return [complex(np.mean(shape * np.exp(-2j * math.pi * j * phase))) for j in range(1, HARMONICS + 1)]
 
 
-def _peaks(gain: Floats, apart: int) -> list[int]:
+def _peaks(gain: Values, apart: int) -> list[int]:
     """Return the places of the highest peaks that lie apart from one another."""
     left, found = gain.copy(), []
     for _ in range(TRIED):

@@ -7,9 +7,8 @@ t_i over k_i; of the offsets that this leaves the ends and the middle are tried,
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 STILL = 0.05  # share of rows at which OP stands still, from which on its scans can be read off
 # periods in intervals of the log that are tried where they cannot
 FASTER = (0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0)
@@ -19,7 +18,7 @@ OTHERS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # and where the controller scans alread
 
 
 def first_scans(
-    t: Floats, values: Floats, own: float, dt: float, bounds: tuple[float, float]
+    t: Values, values: Values, own: float, dt: float, bounds: tuple[float, float]
 ) -> list[dict[str, float]]:
     """Return the scans to try first: as the values of OP at ``t`` show them, or else faster than rows ``dt`` [s] apart.
 
@@ -39,7 +38,7 @@ def first_scans(
     ]
 
 
-def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:
+def read_off(t: Values, values: Values) -> list[tuple[float, float]]:
     """Return (period, first scan) read from the stretches of equal values; None if values are always new.
 
     >>> read_off(np.arange(9.0), np.array([0.0, 1, 1, 1, 1, 2, 2, 2, 2]))
@@ -65,7 +64,7 @@ def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:
     return [(period, float(one % period)) for one in first]
 
 
-def _combs(at: Floats, dt: float) -> Iterator[float]:
+def _combs(at: Values, dt: float) -> Iterator[float]:
     """Yield periods, the longest first, of which some of the times are multiples but for one row ``dt`` [s]."""
     few = at[:COMBED] - at[0]
     frequencies = np.arange(1.0 / LONGEST, 1.0, 0.1 * dt / max(float(few[-1]), dt)) / dt
@@ -77,7 +76,7 @@ def _combs(at: Floats, dt: float) -> Iterator[float]:
         yield _settled(at, float(1.0 / frequencies[k]), dt)
 
 
-def _settled(at: Floats, period: float, dt: float) -> float:
+def _settled(at: Values, period: float, dt: float) -> float:
     """Return the slope of the times over the number of the scan, whole rows where it nearly is."""
     for _ in range(4):
         k = np.round((at - at[0]) / period)
@@ -92,7 +91,7 @@ def _settled(at: Floats, period: float, dt: float) -> float:
     return period
 
 
-def _spread(at: Floats, period: float) -> float:
+def _spread(at: Values, period: float) -> float:
     """Return how far the times lie from a comb of the period [s]: less than a row if it is right."""
     off = at - np.round((at - at[0]) / period) * period
     return float(np.ptp(off))

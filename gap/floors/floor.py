@@ -27,8 +27,8 @@ from stickslip.gap.insertion.scales import time_scale
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import GapError, Record
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 NU = 4.0
 UNIT = 0.8310  # of the loss: with it a normal innovation of standard deviation 1 has the loss least at its own size
 SKIPPED = 0.02  # share of the record at its beginning that is not scored: what the start leaves has died away
@@ -55,13 +55,13 @@ class Floor:
     """
 
     changes: NDArray[np.bool_]
-    A: Floats
-    L: Floats
+    A: Values
+    L: Values
     skipped: int
-    scores: Floats
+    scores: Values
     rows: int
 
-    def innovations(self, found: Floats) -> Floats:
+    def innovations(self, found: Values) -> Values:
         """Return e of offsets (..., rows, signals): (..., rows - skipped, signals); NaN where a row says nothing."""
         return whitened(residuals(found, self.changes), self.A, self.L)[..., self.skipped :, :]
 
@@ -81,14 +81,14 @@ class Floor:
         return len(self.A) > 0
 
 
-def residuals(found: Floats, changes: NDArray[np.bool_]) -> Floats:
+def residuals(found: Values, changes: NDArray[np.bool_]) -> Values:
     """Return offsets or their changes, signal by signal; the first change is NaN."""
     moved = np.full_like(found, np.nan)
     moved[..., 1:, :] = np.diff(found, axis=-2)
     return np.where(changes, moved, found)
 
 
-def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
+def whitened(r: Values, A: Values, L: Values) -> Values:
     """Return the innovations of residuals; unknown earlier residuals count as 0."""
     known = np.nan_to_num(r)
     e = r.copy()
@@ -97,14 +97,14 @@ def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
     return e @ np.linalg.inv(L).T if np.count_nonzero(L - np.diag(np.diag(L))) else e / np.diag(L)
 
 
-def losses(e: Floats) -> Floats:
+def losses(e: Values) -> Values:
     """Return the loss of every innovation, 0 where it is unknown."""
     with np.errstate(over="ignore"):  # a square beyond all numbers has the largest loss
         loss = 0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU)
     return np.asarray(np.minimum(np.where(np.isnan(loss), 0.0, loss), LARGEST))
 
 
-def scored(e: Floats) -> Floats:
+def scored(e: Values) -> Values:
     """Return F of innovations (..., rows, signals); infinite where hardly any is known."""
     if not e.shape[-2]:  # the first part of a short record is all settling
         return np.full(e.shape[:-2], np.inf)
@@ -131,7 +131,7 @@ def without_gap(
 
 def unrounded(
     model: Diagram, record: Record, runs: int, seed: int, inputs: Mapping[str, Block] | None = None
-) -> dict[str, Floats]:
+) -> dict[str, Values]:
     """Return what runs of the model with its nuisances have at the record's rows, (runs that succeed, rows)."""
     log, driven = record.log, [*record.pinned, *record.used]
     many = ensemble(
@@ -194,7 +194,7 @@ def settling_rows(model: Diagram, record: Record) -> float:
 
 
 def floor_of(
-    found: Floats,
+    found: Values,
     settling: float = 0.0,
     integrating: Sequence[bool] = (),
     steady: bool = False,
@@ -215,7 +215,7 @@ def floor_of(
     return Floor(changes, A, L, skipped, scores, r.shape[1])
 
 
-def _drifting(found: Floats) -> NDArray[np.bool_]:
+def _drifting(found: Values) -> NDArray[np.bool_]:
     """Tell which signals have no level without a gap: their offsets wander ever farther."""
     third = max(found.shape[1] // 3, 1)
     early = np.nanmean((found[:, :third] - np.nanmedian(found[:, :1], axis=0)) ** 2, axis=(0, 1))
@@ -223,7 +223,7 @@ def _drifting(found: Floats) -> NDArray[np.bool_]:
     return np.asarray(late > GROWTH * np.maximum(early, SMALLEST**2))
 
 
-def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
+def _predictor(r: Values, least: Values) -> tuple[Values, Values]:
     """Return (A, L) of residuals without a gap, (runs, rows, signals), whose scales are at least so large."""
     m = r.shape[-1]
     flat = np.nan_to_num(r).reshape(-1, m)
@@ -302,7 +302,7 @@ def foretold(model: Diagram, record: Record, signal: str) -> float:
     return FORETOLD * _ranged(record.known(signal)) if driven else 0.0
 
 
-def _ranged(known: Floats) -> float:
+def _ranged(known: Values) -> float:
     """Return how far a signal ranges as the nearest power of two: records alike have one floor."""
     far = float(np.ptp(known))
     return 2.0 ** round(math.log2(far)) if far > 0.0 else 0.0

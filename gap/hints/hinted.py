@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.hints.mistakes import Mistake, late, of_controllers, of_units
 from stickslip.gap.likelihood.framing import frame_of
@@ -18,8 +17,8 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.model import read
 from stickslip.gap.records.record import GapError, switches
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Loss = tuple[float, float]
 NOWHERE = (math.inf, math.inf)
 ROWS = 600  # that are asked
@@ -78,7 +77,7 @@ def _left(one: Mistake) -> Loss:
     return size_of(left.e[frame.skipped :], left.S[frame.skipped :], one.density)
 
 
-def size_of(e: Floats, S: Floats, density: float) -> Loss:
+def size_of(e: Values, S: Values, density: float) -> Loss:
     """Return L of innovations and their variances, with ``density`` [nats], and the mean of ln(1 + e^2); infinite where
     no value is known.
 

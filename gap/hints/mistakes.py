@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.logs import Log
 
-Floats = NDArray[np.float64]
 DECIMAL = tuple(10.0**k for k in (-5, -3, -2, -1, 1, 2, 3, 5))
 UNITS = {  # factor between two units of one quantity: what it is between
     1.8: "degrees Fahrenheit and Celsius", 3.6: "t/h and kg/s, or km/h and m/s", 60.0: "per minute and per second",

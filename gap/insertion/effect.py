@@ -19,15 +19,14 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.block import Block
 from stickslip.blocks.ports import nearest
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.scales import scale
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 NOMINAL = math.nan  # neutral value of a parameter whose neutral value is what the model has
 
 
@@ -57,7 +56,7 @@ class Parameter:
     nuisance: bool = False
     smooth: bool = True
 
-    def grid(self, n: int, factor: float = 1.0) -> Floats:
+    def grid(self, n: int, factor: float = 1.0) -> Values:
         """Return ``n`` values over the range, the neutral one left out; ``factor`` what ``per`` stands for.
 
         >>> Parameter("tau", "s", 0.0, 0.1, 10.0, "log").grid(3).tolist()
@@ -65,7 +64,7 @@ class Parameter:
         """
         low, high = self.low * factor, self.high * factor
         values = np.geomspace(low, high, n) if self.spacing == "log" else np.linspace(low, high, n)
-        found: Floats = values[values != self.neutral]
+        found: Values = values[values != self.neutral]
         return found
 
 
@@ -147,7 +146,7 @@ class Effect:
             for factor in [scale(diagram, place, p.per)]
         }
 
-    def grid(self, diagram: Diagram, place: str, n: int) -> dict[str, Floats]:
+    def grid(self, diagram: Diagram, place: str, n: int) -> dict[str, Values]:
         """Return parameter -> about ``n`` values to try first, over its bounds at this place."""
         return {p.name: p.grid(n, scale(diagram, place, p.per)) for p in self.parameters}
 

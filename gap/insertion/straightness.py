@@ -1,17 +1,16 @@
 """How straight a log is: a historian that compresses draws lines between the values that it kept."""
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.insertion.effect import Effect
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SIZES = 13  # deviations that are tried
 ROUNDS = 3
 LEAST, MOST = 1e-3, 1.0  # of the range of a signal: no deviation beyond these leaves a record to look at
 
 
-def lined(values: Floats, step: float) -> float:
+def lined(values: Values, step: float) -> float:
     """Return the share of three neighbours that lie on a line, equal ones too, within the rounding ``step``.
 
     >>> lined(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
@@ -22,7 +21,7 @@ def lined(values: Floats, step: float) -> float:
     return float(np.mean(bend <= 1.01 * step + 1e-9)) if len(bend) else 0.0
 
 
-def sloping(values: Floats, step: float) -> float:
+def sloping(values: Values, step: float) -> float:
     """Return the share of three neighbours that lie on a line and are not all equal, within the rounding ``step``.
 
     >>> sloping(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
@@ -34,7 +33,7 @@ def sloping(values: Floats, step: float) -> float:
     return float(((bend <= near) & moved).mean()) if len(bend) else 0.0
 
 
-def deviation_of(log: Log, effect: Effect, place: str, signal: str, step: float, values: Floats) -> float:
+def deviation_of(log: Log, effect: Effect, place: str, signal: str, step: float, values: Values) -> float:
     """Return the deviation of a compression that makes a signal of a log as straight as ``values`` [its unit].
 
     ``step``: rounding of the signal [its unit].  Equal neighbours count, so that more deviation is never less straight.

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
@@ -14,7 +13,6 @@ from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovat
 from stickslip.gap.likelihood.path import complain
 from stickslip.gap.likelihood.threads import go_on
 
-Floats = NDArray[np.float64]
 DRAWN = 8  # times as many stems where each draws what the controllers give
 EARLY = 1e-6  # of a scan [s], by which a stop may come before it
 SEED = 1  # of the numbers that a bank draws: the same for all sizes, so that losses compare

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.progress import Progress
 from stickslip.gap.fits.loads import is_load
@@ -21,8 +20,8 @@ from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.sizes import sizes
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.likelihood.threads import in_threads
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 RACED, PART = 500, 0.2  # rows of a race, at least, and the share of what the model alone leaves that they hold
 SWITCHED = 8  # limits of a controller that are looked at with switches of their own
@@ -44,7 +43,7 @@ class Candidate:
     hypothesis: Hypothesis
     values: Mapping[str, float]
     gain: float
-    direction: Floats | None
+    direction: Values | None
 
     def __str__(self) -> str:
         return str(self.hypothesis)

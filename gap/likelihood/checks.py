@@ -6,9 +6,8 @@ Each figure is normal with mean 0 and standard deviation 1 if the explanation is
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)
 ACROSS = (-4, -3, -2, -1, 0, 1, 2, 3, 4)
 BLOCKS = 16  # stretches of a record whose variances are compared
@@ -26,7 +25,7 @@ class Left(Protocol):
         """What is explained how."""
 
     @property
-    def judged(self) -> Floats:
+    def judged(self) -> Values:
         """The innovations."""
 
 
@@ -71,11 +70,11 @@ def checks(one: Left) -> dict[str, float]:
     return found
 
 
-def known_of(one: Left) -> dict[str, Floats]:
+def known_of(one: Left) -> dict[str, Values]:
     """Return what innovations should not go with, by name, (rows,) with mean 0."""
     f = one.explanation.filtering
     log, first = f.record.log, f.skipped
-    found: dict[str, Floats] = {}
+    found: dict[str, Values] = {}
     n = len(log) - first
     t = np.linspace(-1.0, 1.0, n)
     found["time"] = t
@@ -104,7 +103,7 @@ def known_of(one: Left) -> dict[str, Floats]:
     return {name: values - values.mean() for name, values in found.items()}
 
 
-def normal_of_sizes(figure: float, weights: Floats) -> float:
+def normal_of_sizes(figure: float, weights: Values) -> float:
     """Return the normal deviate that is as rare as a standardised sum of squared normal numbers with such weights.
 
     skew = 2^1.5 sum w^3 / (sum w^2)^1.5,   sum ~ a gamma law of shape 4 / skew^2         (Pearson's type III)
@@ -128,7 +127,7 @@ def _normal_of_gamma(figure: float, shape: float) -> float:
     return float(np.copysign(max(-ndtri(max(beyond, 1e-300)), 0.0), figure))
 
 
-def _product(a: Floats, b: Floats) -> float:
+def _product(a: Values, b: Values) -> float:
     """Return sum a b over its standard deviation for white a and b that know nothing of each other; 0: not known."""
     known = (a != 0.0) & (b != 0.0)
     a, b = a[known], b[known]

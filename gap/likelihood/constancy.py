@@ -9,17 +9,16 @@ g: 1 in a stretch, else 0; the level of a signal, the direction in which it move
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.likelihood.checks import known_of
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.scores import trusted
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 STRETCHES = 6
 FRESH, FELT = 0.3, 1.0  # share of a direction that no parameter has already; its least length
 
 
-def constancy(fit: Fit) -> list[tuple[str, Floats]]:
+def constancy(fit: Fit) -> list[tuple[str, Values]]:
     """Return name and direction, (rows, signals), of each change of a parameter that the record would show."""
     one, first = fit.hypothesis, fit.hypothesis.frame.skipped
     weight = trusted(fit)
@@ -31,7 +30,7 @@ def constancy(fit: Fit) -> list[tuple[str, Floats]]:
     return [(name, np.concatenate([np.zeros((first, v.shape[1])), v])) for name, v in found.items()]
 
 
-def stretches(rows: int) -> dict[str, Floats]:
+def stretches(rows: int) -> dict[str, Values]:
     """Return name -> 1 in one of six stretches of the record, else 0."""
     parts = np.array_split(np.arange(rows), STRETCHES)
     return {
@@ -40,7 +39,7 @@ def stretches(rows: int) -> dict[str, Floats]:
     }
 
 
-def changes(slopes: Mapping[str, Floats], known: Mapping[str, Floats]) -> dict[str, Floats]:
+def changes(slopes: Mapping[str, Values], known: Mapping[str, Values]) -> dict[str, Values]:
     """Return the directions, (rows, signals) of unit length, in which what each parameter does goes with anything
     ``known`` of the rows, (rows,), beside what all parameters do, ``slopes`` (rows, signals).
     """

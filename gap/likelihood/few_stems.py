@@ -7,15 +7,13 @@ any size loses about as much: its log-likelihood is compared with that of effect
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.known_stem import KnownStem
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 MOST = 0.25  # nats a row that stems may lose; a bank that loses more has lost its way, and nothing is made up
 
 
@@ -26,7 +24,7 @@ class FewStems:
     null: Fit
     size: Mapping[str, float]
     known: dict[tuple[Frame, int], float] = field(default_factory=dict)
-    paths: dict[Frame, Floats | None] = field(default_factory=dict)
+    paths: dict[Frame, Values | None] = field(default_factory=dict)
 
     def lost(self, one: Hypothesis, count: int) -> float:
         """Return what ``count`` stems lose in the record of a hypothesis, at most 0 [nats]."""
@@ -47,7 +45,7 @@ class FewStems:
         lost = few.nll - exact.nll if exact is not None else 0.0
         return -lost if 0.0 < lost < MOST * len(few.e) else 0.0
 
-    def path(self, one: Hypothesis) -> Floats | None:
+    def path(self, one: Hypothesis) -> Values | None:
         """Return where the stem would be at each stop.
 
         Raises ``ArithmeticError`` where no run follows the record.
@@ -59,7 +57,7 @@ class FewStems:
         return self.paths[one.frame]
 
 
-def on_path(one: Hypothesis, path: Floats | None) -> Hypothesis:
+def on_path(one: Hypothesis, path: Values | None) -> Hypothesis:
     """Return the hypothesis that the stem of another went a path."""
     assert path is not None
     times, _ = one.frame.stops

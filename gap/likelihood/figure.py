@@ -15,13 +15,12 @@ is wide; a stem with mass slips a moment after the row that pulls it off, and is
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.insertion.bent_valve import gives_flow
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.records.offsets import offsets
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 USUAL = 0.99  # quantile of how far a stem lies off: beyond are jumps of the set point
 LEAST, MOST, SIZES = 0.05, 1.5, 24  # force of breakaway in shares of that, and how many are tried
 SHARES = 11  # of the force while it slides, from none to all of it
@@ -50,7 +49,7 @@ def read_off(one: Hypothesis) -> list[tuple[float, float]]:
     return [(float(np.clip(S / to_unit, low, high)), J / S) for S, J in (each for each in found if each is not None)]
 
 
-def bands(wanted: Floats, seen: Floats, shares: Sequence[float]) -> tuple[float, float] | None:
+def bands(wanted: Values, seen: Values, shares: Sequence[float]) -> tuple[float, float] | None:
     """Return S and J of a stem [its unit] from where it was ``wanted`` and ``seen``, (rows,); NaN says nothing.
 
     ``shares``: f_c / f_s, in order; 1 alone for a deadband.  None for a stem that is where it is wanted.
@@ -73,7 +72,7 @@ def bands(wanted: Floats, seen: Floats, shares: Sequence[float]) -> tuple[float,
     return (1.0 + share) * f_s, (1.0 - share) * f_s
 
 
-def _rows(wanted: Floats, seen: Floats, late: bool) -> tuple[Floats, ...]:
+def _rows(wanted: Values, seen: Values, late: bool) -> tuple[Values, ...]:
     """Return (w, x, x after, d) of the rows that are known, d 0 for a stem that sticks.
 
     ``late``: a row shows the stem as it has answered to what is wanted there, not as it was found.
@@ -87,7 +86,7 @@ def _rows(wanted: Floats, seen: Floats, late: bool) -> tuple[Floats, ...]:
     return w[known], x[known], after[known], way[known]
 
 
-def _closed_in(rows: tuple[Floats, ...], usual: float, shares: Sequence[float]) -> tuple[float, float, float]:
+def _closed_in(rows: tuple[Values, ...], usual: float, shares: Sequence[float]) -> tuple[float, float, float]:
     """Return the least loss, f_s and f_c / f_s."""
     w, x, after, way = rows
     far, side = np.abs(w - x), np.sign(w - x)

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.fits.coordinates import coordinate, moved, spreads, step, value
 from stickslip.gap.likelihood.hypothesis import ENDLESS, Hypothesis, Innovations
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 ROUNDS = 6
 PROBE = 2e-3  # of a coordinate, for its slope: well above the accuracy of a run
 SETTLED = 0.1  # nats that a step must promise
@@ -38,8 +38,8 @@ class Fit:
 
     best: Innovations
     names: tuple[str, ...]
-    I: Floats
-    slopes: Floats
+    I: Values
+    slopes: Values
 
     @property
     def nll(self) -> float:
@@ -122,13 +122,13 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near
     return Fit(now, tuple(felt), information, slopes)
 
 
-def _at(now: Innovations, names: Sequence[str], d: Floats, near: Innovations | None) -> Innovations | None:
+def _at(now: Innovations, names: Sequence[str], d: Values, near: Innovations | None) -> Innovations | None:
     """Return what is left a step away."""
     one = now.hypothesis
     return tried(one, {**now.values, **moved(one, names, now.values, d)}, near, best=now)
 
 
-def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, list[str], Floats]:
+def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Values, Values, list[str], Values]:
     """Return slope of the nll, Fisher's information, the parameters that are felt, and slopes of the innovations."""
     one, rows = now.hypothesis, now.hypothesis.frame.counted
     missed, spread, gradient, felt = [], [], [], []

@@ -17,8 +17,8 @@ from stickslip.gap.likelihood.inputs import Doubt
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
 from stickslip.gap.records.record import rounding, switch_rows, switches
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 FAST = 2.0  # stops in the correlation time of a load that changes between two rows
@@ -88,7 +88,7 @@ class Frame(Held):
         return {s: self.record.source(s) for s in self.record.played}
 
     @cached_property
-    def r(self) -> Floats:
+    def r(self) -> Values:
         """Variance of the log's rounding of each signal.
 
         Where the model's sensor gives multiples of that step, the log has what the controller saw, as it was.  A step
@@ -106,7 +106,7 @@ class Frame(Held):
         return np.array(found)
 
     @cached_property
-    def anew(self) -> Floats:
+    def anew(self) -> Values:
         """Logged values, (rows, signals), NaN where the log has an output again that has not been made anew.
 
         It has the same rounding then, and says nothing new.
@@ -159,7 +159,7 @@ class Frame(Held):
         return min((b.period for b in found), default=0.0) if found and all(b.sampled for b in found) else 0.0
 
     @cached_property
-    def stops(self) -> tuple[Floats, NDArray[np.int64]]:
+    def stops(self) -> tuple[Values, NDArray[np.int64]]:
         """Times at which the filter stops [s], and the row of the log at each, -1 for none."""
         t = self.record.log.t
         times = [t]
@@ -198,7 +198,7 @@ class Frame(Held):
         return None if self.doubts else scans_of(self.quiet, self.record)
 
     @cached_property
-    def doubted(self) -> dict[str, tuple[Floats, Floats]]:
+    def doubted(self) -> dict[str, tuple[Values, Values]]:
         """How much of the doubt of an input stays at each stop, and the standard deviation of what is new."""
         log = self.record.log
         return {s: one.drawn(log.t, log[s], *self.stops) for s, one in self.doubts.items()}

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 class Labels(NamedTuple):
@@ -16,7 +14,7 @@ class Labels(NamedTuple):
     noises: Sequence[str]
 
 
-def gains_for(mine: Labels, theirs: Labels, gains: Floats) -> Floats:
+def gains_for(mine: Labels, theirs: Labels, gains: Values) -> Values:
     """Return gains, (rows, 2 n + m + q + 1, m) (see ``extended``), of a filter for another."""
     if mine.states == theirs.states:
         return gains
@@ -32,7 +30,7 @@ def gains_for(mine: Labels, theirs: Labels, gains: Floats) -> Floats:
     return found
 
 
-def turns_for(mine: Labels, theirs: Labels, turns: Floats) -> Floats:
+def turns_for(mine: Labels, theirs: Labels, turns: Values) -> Values:
     """Return what bends add to the mean at each stop, (stops, n + m), likewise."""
     if mine.states == theirs.states:
         return turns

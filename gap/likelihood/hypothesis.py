@@ -22,8 +22,8 @@ from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.likelihood.threads import go_on
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 FAR = 8.0  # standard deviations beyond which an innovation counts in proportion only
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full, beyond which gains say nothing
@@ -187,7 +187,7 @@ class Hypothesis(Statement):
         sources = self.frame.noise if self.frame.replays else tuple(one for one, _ in self.prepared.noise)
         return frozenset(f"{one.block}.{key}" for one in sources for key in ("sd", "correlation_time"))
 
-    def noise_with(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+    def noise_with(self, values: Mapping[str, float]) -> tuple[Values, Values]:
         """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""
         f, settings = self.frame, self.settings(values)
         times, _ = f.stops
@@ -204,7 +204,7 @@ class Hypothesis(Statement):
             drawn[0, j] = sd
         return phi, drawn
 
-    def _start(self, z: Floats) -> tuple[Floats, Floats]:
+    def _start(self, z: Values) -> tuple[Values, Values]:
         """Return the size of each state, and a factor of what is not known of it at the start, (states, columns)."""
         spread = np.diag(start_spread(z, self.names, self.frame.unsure))
         return np.maximum(np.abs(z), LEAST), np.delete(spread, self.where, axis=1)
@@ -240,7 +240,7 @@ class Hypothesis(Statement):
         return np.array([p.component.signals[p.diagram.signals.index(s)] for s in self.frame.signals], dtype=np.int64)
 
 
-def bar_of(best: "Innovations | None") -> Floats:
+def bar_of(best: "Innovations | None") -> Values:
     """Return the sums of losses at which a filter is given up that is to beat the best, (0,) where there is none."""
     return NEVER if best is None else best.bar
 
@@ -258,16 +258,16 @@ class Innovations:
 
     hypothesis: Hypothesis
     values: Mapping[str, float]
-    e: Floats
-    S: Floats
-    gains: Floats | None
+    e: Values
+    S: Values
+    gains: Values | None
     kinks: NDArray[np.bool_]
-    turns: Floats
-    shown: Floats | None = None
+    turns: Values
+    shown: Values | None = None
     path: Path | None = None
     near: "Innovations | None" = None
-    mixed: Floats | None = None
-    stem: Floats | None = None
+    mixed: Values | None = None
+    stem: Values | None = None
     charge: float = 0.0
     steps: int = ENDLESS
 
@@ -286,7 +286,7 @@ class Innovations:
         return self.hypothesis
 
     @cached_property
-    def losses(self) -> Floats:
+    def losses(self) -> Values:
         """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]: Huber's loss.
 
         Beyond ``FAR`` standard deviations it grows in proportion: a right hypothesis leaves nothing there, and a wrong
@@ -298,7 +298,7 @@ class Innovations:
         return np.asarray(sure + self._unsure)
 
     @cached_property
-    def _unsure(self) -> Floats:
+    def _unsure(self) -> Values:
         """Loss of the values of each row that have a variance, (rows,) [nats]."""
         if self.mixed is not None:
             return self.mixed
@@ -311,14 +311,14 @@ class Innovations:
         return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
 
     @cached_property
-    def bar(self) -> Floats:
+    def bar(self) -> Values:
         """Sum of losses up to each row at which another filter is too late to be likelier, NaN where no row counts."""
         f = self.hypothesis.frame
         lost = np.where(f.counted, self._unsure + np.isnan(self.S) @ f.sure, 0.0)
         return np.where(f.counted, np.cumsum(lost) + LATE, np.nan)
 
     @cached_property
-    def weights(self) -> Floats:
+    def weights(self) -> Values:
         """Weight of each innovation in a fit, (rows, signals): 1, less beyond ``FAR``; 0 where there is none."""
         size = np.abs(self.e)
         if self.hypothesis.frame.replays:
@@ -333,7 +333,7 @@ class Innovations:
         return value if math.isfinite(value) else math.inf
 
     @cached_property
-    def missed(self) -> Floats:
+    def missed(self) -> Values:
         """Innovations in the units of their signals, (rows, signals)."""
         return np.asarray(self.e * np.sqrt(self.S))
 
@@ -343,7 +343,7 @@ class Innovations:
         return float(np.nanmean(np.minimum(np.abs(self.judged), FAR) ** 2)) > GROSS
 
     @cached_property
-    def judged(self) -> Floats:
+    def judged(self) -> Values:
         """The innovations that count, each as far as ``CLIPPED``: a row at which a filter errs is no gap."""
         f = self.hypothesis.frame
         return np.clip(np.where(f.limited[:, None], np.nan, self.e)[f.skipped :], -CLIPPED, CLIPPED)

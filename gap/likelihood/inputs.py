@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
 from stickslip.gap.records.record import Record, rounding, switch_rows, switches
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
@@ -33,7 +33,7 @@ class Doubt:
     step: float
     spread: float = 0.0
 
-    def drawn(self, log_t: Floats, values: Floats, stops: Floats, row_of: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    def drawn(self, log_t: Values, values: Values, stops: Values, row_of: NDArray[np.int64]) -> tuple[Values, Values]:
         """Return how much of the doubt stays at each stop, and the standard deviation of what is new, (stops,) each."""
         phi, sd = np.ones(len(stops)), np.zeros(len(stops))
         fresh = np.diff(values, prepend=np.nan) != 0.0
@@ -73,7 +73,7 @@ def in_lines(record: Record, signal: str) -> Doubt:
     return Doubt(0.0 if switches(record.log, signal) else rounding(record.known(signal)), spread)
 
 
-def spreads(values: Floats) -> Floats:
+def spreads(values: Values) -> Values:
     """Return the spread of an input halfway to the next row, near each row: the set point of a ratio moves more where
     the ratio is larger.
     """
@@ -83,7 +83,7 @@ def spreads(values: Floats) -> Floats:
 
 
 def played(
-    record: Record, doubts: Mapping[str, Doubt], stops: Floats, row_of: NDArray[np.int64], seeds: Iterable[int]
+    record: Record, doubts: Mapping[str, Doubt], stops: Values, row_of: NDArray[np.int64], seeds: Iterable[int]
 ) -> Iterator[dict[str, Recorded]]:
     """Yield what may have driven the inputs: with digits, and ways between rows, that the log has not."""
     sources = {s: record.source(s) for s in record.played}

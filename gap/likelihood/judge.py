@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
@@ -33,8 +32,8 @@ from stickslip.gap.likelihood.scores import at_bound, basis, trusted
 from stickslip.gap.likelihood.threads import in_threads
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 RUNS, RUNS_OF_BANK = 24, 12  # of a hypothesis, which say what is usual
 BATCH = 6  # runs after which a figure is looked at
 ORDINARY, BEYOND_DOUBT = 0.25, 3.0  # chance of a figure from which on, and times the limit, no further run is asked
@@ -175,25 +174,25 @@ def enough(fit: Fit, verdict: Verdict, alone: Verdict, null: Fit | None = None) 
     return verdict.size <= max(verdict.limit, min(LITTLE * alone.size, MOST_LEFT))
 
 
-def largest(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
+def largest(fit: Fit, directions: Sequence[tuple[str, Values]]) -> tuple[str, float]:
     """Return the figure that innovations pass least, and its size."""
     found = _figures(fit, directions)
     name = max(found, key=lambda key: abs(found[key]), default="")
     return name, abs(found.get(name, 0.0))
 
 
-def figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> int:
+def figures(fit: Fit, directions: Sequence[tuple[str, Values]]) -> int:
     """Return how many figures innovations have to pass."""
     return len(_figures(fit, directions))
 
 
-def _figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> dict[str, float]:
+def _figures(fit: Fit, directions: Sequence[tuple[str, Values]]) -> dict[str, float]:
     found = checks(fit.best)
     calm = np.nan_to_num(fit.best.e) * trusted(fit)
     return found | {name: float(np.sum(calm * d)) for name, d in directions}
 
 
-def _apart(fit: Fit, away: Sequence[tuple[str, Floats]]) -> list[tuple[str, Floats]]:
+def _apart(fit: Fit, away: Sequence[tuple[str, Values]]) -> list[tuple[str, Values]]:
     """Return directions less their projection on what the fit may change, of unit length."""
     own = basis(fit)
     found = []

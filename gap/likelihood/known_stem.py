@@ -6,8 +6,6 @@ a bank of stems shares, and noise, loads and tolerances can be fitted.
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.recorded import Recorded
 from stickslip.blocks.role import Role
@@ -15,16 +13,15 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
 from stickslip.gap.insertion.bent_valve import stem_signal, with_stem
 from stickslip.gap.insertion.effect import Effect
-
-Floats = NDArray[np.float64]
+from stickslip.logs.arrays import Values
 
 
 @dataclass(frozen=True, eq=False)
 class KnownStem(Effect):
     """A stem that goes through ``values`` at the times ``t`` [s], held or in lines between them (``hold``)."""
 
-    t: Floats
-    values: Floats
+    t: Values
+    values: Values
     hold: str = "previous"
 
     name = "known_stem"

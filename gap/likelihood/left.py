@@ -16,8 +16,8 @@ from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SIGMAS = 4.5  # by which a loss may exceed its mean without a gap
 SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread forty runs tell
 GAINED = 12.0  # nats that what is left may lie above that
@@ -106,7 +106,7 @@ def left(found: Innovations) -> float:
     return float(losses(found.e * _unproven(found)).sum()) + found.charge
 
 
-def _unproven(found: Innovations) -> Floats:
+def _unproven(found: Innovations) -> Values:
     """Return the noise of each signal as it was fitted over what is stated; 1 where it is proven to be larger."""
     f = found.hypothesis.frame
     assert isinstance(f, Replays)

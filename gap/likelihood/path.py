@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 
@@ -21,8 +21,8 @@ class Path:
     the noise in ``force`` before it (see ``extended``).
     """
 
-    z: Floats
-    phi: Floats
+    z: Values
+    phi: Values
     which: Whole
-    force: Floats
-    slopes: tuple[Floats, ...]
+    force: Values
+    slopes: tuple[Values, ...]

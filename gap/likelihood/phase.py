@@ -4,13 +4,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.switches import with_switches
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 PHASES = 8  # shares of a scan that are tried
 CLEAR = 10.0  # nats that another phase must gain
 ROWS = 400  # in which phases that lag are left out
@@ -36,7 +35,7 @@ def in_phase(now: Innovations) -> Innovations:
     return likeliest
 
 
-def _scans_before(t: Floats, scan: float) -> bytes:
+def _scans_before(t: Values, scan: float) -> bytes:
     """Return how many scans lie before each row, and at which rows: phases that do not differ in it are one."""
     scans = t / scan
     near = np.round(scans)

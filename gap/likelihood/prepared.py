@@ -23,8 +23,8 @@ from stickslip.gap.insertion.scales import time_scale
 from stickslip.gap.likelihood.late import Late, LateByASignal
 from stickslip.gap.records.model import Nuisance, nuisances, silenced, smooth_memories
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
 TAPS = 25  # values of a dead time, at most: each is a state of the filter
@@ -83,7 +83,7 @@ class Prepared:
         ]
         return np.array(found, dtype=np.int64)
 
-    def fresh(self, t0: float, blocks: tuple[Block, ...], most_steps: int) -> tuple[Whole, Floats]:
+    def fresh(self, t0: float, blocks: tuple[Block, ...], most_steps: int) -> tuple[Whole, Values]:
         """Return the arrays of a run that has not begun; ``blocks`` those of the diagram, with other parameters."""
         I, W = prepare(self.component, Settings(max_steps=most_steps), t0)
         self.diagram.plan().fill(Snapshot(self.component, I, W), blocks)

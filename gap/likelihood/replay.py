@@ -26,8 +26,8 @@ from stickslip.gap.records.model import silenced
 from stickslip.gap.records.offsets import branched
 from stickslip.gap.records.record import FEWEST, GapError, Record
 from stickslip.gap.records.start import start_values
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 RUNS = 40  # of the model without a gap
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 
@@ -38,8 +38,8 @@ class Left:
     right, ``charge`` [nats].
     """
 
-    e: Floats
-    S: Floats
+    e: Values
+    S: Values
     charge: float
 
 
@@ -71,7 +71,7 @@ class Replays(Frame):
             return self
         return replace(self, record=replace(self.record, filter=self.record.filter.holding(self.quiet, self.record)))
 
-    def scaled(self, e: Floats, charge: float, settings: Mapping[str, float]) -> Left:
+    def scaled(self, e: Values, charge: float, settings: Mapping[str, float]) -> Left:
         """Return innovations of the scored rows in the noise that settings have, in place of what is stated."""
         columns = [self.record.pinned.index(s) for s in self.signals]
         unit, factor = np.diag(self.floor.L)[columns], np.ones(len(self.signals))
@@ -160,7 +160,7 @@ def left_by_replays(
 
 def _replayed(
     f: Replays, silent: Diagram, keys: Sequence[str], rows: Sequence[tuple[float, ...]], modes: bool
-) -> list[tuple[Floats, float] | None]:
+) -> list[tuple[Values, float] | None]:
     """Return innovations in the stated noise, and the charge of modes that were set right, of each run."""
     if not rows:
         return []

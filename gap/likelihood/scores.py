@@ -7,11 +7,10 @@ gain of a size  =  (e . d)^2 / (2 |d|^2)       d: what the size changes in the i
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
 CALM = 4.0  # standard deviations from which on innovations count less
 
@@ -23,7 +22,7 @@ def at_bound(fit: Fit) -> tuple[str, ...]:
     return tuple(name for name, (now, low, high) in known.items() if min(now / low, high / now) < 1.0 + AT_BOUND)
 
 
-def score(null: Fit, looked: Innovations) -> tuple[float, Floats, float] | None:
+def score(null: Fit, looked: Innovations) -> tuple[float, Values, float] | None:
     """Return the gain that the score promises [nats], the direction of the change, and its length [standard
     deviations]; None where nothing is felt.
     """
@@ -41,7 +40,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats, float] | None:
     return 0.5 * max(along, 0.0) ** 2, direction, length
 
 
-def trusted(fit: Fit) -> Floats:
+def trusted(fit: Fit) -> Values:
     """Return the weight of each innovation, (rows, signals): 1, less far from usual, 0 in rows that do not count.
 
     It is that of Student's law, so that the score of a model that is far from the log is not that of a few rows.
@@ -51,11 +50,11 @@ def trusted(fit: Fit) -> Floats:
     return np.asarray(rows[:, None] * _less_far_from_usual(e))
 
 
-def _less_far_from_usual(e: Floats) -> Floats:
+def _less_far_from_usual(e: Values) -> Values:
     return np.asarray(1.0 / np.sqrt(1.0 + (e / CALM) ** 2))
 
 
-def basis(fit: Fit) -> Floats:
+def basis(fit: Fit) -> Values:
     """Return an orthonormal basis of what the free parameters of a fit change, (k, rows, signals)."""
     if not len(fit.slopes):
         return fit.slopes

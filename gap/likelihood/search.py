@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.progress import Progress
 from stickslip.gap.effects.stiction import SampledStiction, Stiction
 from stickslip.gap.fits.loads import is_load
@@ -24,7 +23,6 @@ from stickslip.gap.likelihood.settling import FIRST, free_names, settled
 from stickslip.gap.likelihood.stems import fitted_stem, other_law, resting, settled_stem
 from stickslip.gap.likelihood.threads import in_threads
 
-Floats = NDArray[np.float64]
 NOISE = "sensor_noise"
 BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no likelihood of rows does
 TRIED = 10  # effects that are fitted

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.simulation import simulate
 from stickslip.gap.answers.report import listed
@@ -17,8 +16,8 @@ from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.records.model import silenced
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 PART = 1e-3  # of the span of a signal, or of its range where no block states one: a difference that shows
 STAIRS = (0.0, 1.0, -1.0, 0.5, -0.5, 0.0)  # of the set point's range in the record, beyond its mean: a staircase
 MOVED = 10.0  # by how much a staircase has to show more than the record
@@ -80,11 +79,11 @@ def staircase_separates(frame: Frame, same: Sequence[Fit]) -> bool:
     return least[1] > PART and least[1] > MOVED * least[0]
 
 
-def _played(frame: Frame) -> dict[str, Floats]:
+def _played(frame: Frame) -> dict[str, Values]:
     return {s: np.asarray(frame.record.log[s]) for s in frame.record.played}
 
 
-def _run(frame: Frame, fit: Fit, played: Mapping[str, Floats]) -> dict[str, Floats]:
+def _run(frame: Frame, fit: Fit, played: Mapping[str, Values]) -> dict[str, Values]:
     """Return the signals of a free, silent run of the model with the effect of a fit."""
     log = frame.record.log
     model = silenced(fit.hypothesis.model(fit.best.values))
@@ -93,10 +92,10 @@ def _run(frame: Frame, fit: Fit, played: Mapping[str, Floats]) -> dict[str, Floa
     return {s: run.log[s] for s in run.log.names}
 
 
-def _apart(one: Floats, other: Floats) -> float:
+def _apart(one: Values, other: Values) -> float:
     return float(np.sqrt(np.mean((one - other) ** 2)))
 
 
-def _span(diagram: Diagram, signal: str, values: Floats) -> float:
+def _span(diagram: Diagram, signal: str, values: Values) -> float:
     known = ends(diagram, signal)
     return known[1] - known[0] if known else max(float(np.ptp(values)), 1e-12)

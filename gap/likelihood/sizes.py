@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.scan_time import ScanTime
@@ -21,8 +20,8 @@ from stickslip.gap.insertion.scales import ends
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.statement import BEYOND
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 0.97, 1.03, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES, APART = 5, 3.0  # of a size whose neutral value is none at all, at least, and their ratio, at most
@@ -166,7 +165,7 @@ def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
 
 
-def response(null: Fit, place: str, size: float, hold: Literal["previous", "linear"] = "previous") -> Floats | None:
+def response(null: Fit, place: str, size: float, hold: Literal["previous", "linear"] = "previous") -> Values | None:
     """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals).
 
     A load of ``size`` is put in. It is held from row to row, or joined by straight lines (``hold``); None where nothing

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import Exact
@@ -14,8 +13,8 @@ from stickslip.gap.insertion.paths import given
 from stickslip.gap.insertion.scales import ends
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.records.model import nuisances, silenced
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 BEYOND = 0.1  # of its range, by which a signal may go further between two rows
 
 
@@ -88,7 +87,7 @@ class Statement:
         return float(np.max(np.abs(np.nan_to_num(f.Y[:, f.signals.index(signal)])), initial=0.0))
 
     @cached_property
-    def reached(self) -> tuple[str, Floats, float, float]:
+    def reached(self) -> tuple[str, Values, float, float]:
         """The logged signal that shows a limit, its values in order, and what turns them into sizes of the effect: a
         zero to take away, and a factor.
         """

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.effects.stiction import RestingStiction, SampledStiction, Stiction
 from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
@@ -23,8 +22,8 @@ from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.likelihood.threads import in_threads
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 BETWEEN = 10  # draws of a noise from row to row, at most; one held over two scans is another, 250 nats off once
 SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
@@ -331,7 +330,7 @@ def _sizes(found: Innovations) -> dict[str, float]:
 
 
 def _with_path(
-    one: Hypothesis, shared: dict[str, float], path: Floats | None, few: FewStems | None, count: int = STEMS
+    one: Hypothesis, shared: dict[str, float], path: Values | None, few: FewStems | None, count: int = STEMS
 ) -> Bank | None:
     """Return a bank whose gains are those of a filter that knows the path of the stem."""
     try:

@@ -14,15 +14,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.fits.coordinates import moved
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.inputs import in_lines, moves
 from stickslip.gap.records.record import switch_rows, switches
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
 TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
@@ -103,7 +102,7 @@ def with_ramps(now: Innovations) -> Innovations:
     return now
 
 
-def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats) -> Innovations:
+def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Values) -> Innovations:
     """Return what is left if each switch lies at the likeliest of some ``steps`` [s] from where it is thought to be.
 
     A switch that no step makes likelier stays.

@@ -23,8 +23,8 @@ from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.left import GAINED, SIGMAS, known, level
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.sizes import response
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
 NULLS = 4  # runs without a gap
@@ -123,7 +123,7 @@ def _span(f: Replays, place: str) -> float:
     return high - low
 
 
-def _without_gap(null: Fit, h: Floats) -> float:
+def _without_gap(null: Fit, h: Values) -> float:
     """Return how far a load lowers the score where there is no gap [nats]: rounding is not quite white."""
     one, f, found = null.hypothesis, null.hypothesis.frame, []
     for log in without_gap(f.model, f.record, NULLS, 1):
@@ -134,7 +134,7 @@ def _without_gap(null: Fit, h: Floats) -> float:
     return max(0.0, float(np.mean(found))) if found else 0.0
 
 
-def _suited(found: Floats, h: Floats) -> tuple[float, float, float, float]:
+def _suited(found: Values, h: Values) -> tuple[float, float, float, float]:
     """Return (F, score of what is left, sd [unit], period [rows]) of the load that suits innovations best."""
     e, n = np.nan_to_num(found), len(found)
     h = np.concatenate([h, np.zeros((max(n - len(h), 0), h.shape[1]))])[:n]
@@ -161,15 +161,15 @@ def _suited(found: Floats, h: Floats) -> tuple[float, float, float, float]:
     return left + freedom, left, math.sqrt(float(weight @ s) / n), n / k
 
 
-def _whitened(E: Complex, H: Complex, gain: Floats, s: Floats, n: int) -> Floats:
+def _whitened(E: Complex, H: Complex, gain: Values, s: Values, n: int) -> Values:
     """Return S^(-1/2) E as series, (rows, signals, columns), of its coefficients E (frequencies, signals, columns)."""
     less = (1.0 - 1.0 / np.sqrt(1.0 + s * gain)) / np.maximum(gain, 1e-300)
     hit = np.einsum("fs,fsc->fc", np.conj(H), E) * less[:, None]
-    found: Floats = np.fft.irfft((E - H[:, :, None] * hit[:, None, :]) * math.sqrt(n), n, axis=0)
+    found: Values = np.fft.irfft((E - H[:, :, None] * hit[:, None, :]) * math.sqrt(n), n, axis=0)
     return found
 
 
-def earlier(h: Floats) -> Floats:
+def earlier(h: Values) -> Values:
     """Return what loads before the first row can leave behind in the record, (rows, signals, shapes).
 
     It is what follows a row or more after a load, in as few shapes as the process has states.
@@ -178,17 +178,17 @@ def earlier(h: Floats) -> Floats:
     tails = np.stack([np.concatenate([h[j:], np.zeros((j, signals))]) for j in range(1, min(TAILS, n))], axis=-1)
     shapes, sizes, _ = np.linalg.svd(tails.reshape(n * signals, -1), full_matrices=False)
     kept = int((sizes > DISTINCT * max(sizes[0], 1e-300)).sum())
-    found: Floats = shapes[:, : min(kept, MOST)].reshape(n, signals, -1)
+    found: Values = shapes[:, : min(kept, MOST)].reshape(n, signals, -1)
     return found
 
 
-def forgotten(h: Floats) -> bool:
+def forgotten(h: Values) -> bool:
     """Return whether a response (rows, signals) has died away before its last tenth, as Fourier series want it."""
     last = np.abs(h[-max(len(h) // 10, 1) :]).max(axis=0)
     return bool((last <= FORGOTTEN * np.abs(h).max(axis=0)).all())
 
 
-def _spectrum(gain: Floats, power: Floats, weight: Floats) -> Floats:
+def _spectrum(gain: Values, power: Values, weight: Values) -> Values:
     """Return the height of a load's spectrum at each frequency, equal within octaves, that is most likely.
 
     max over s of  sum of weight/2 (s power/(1 + s gain) - ln(1 + s gain))

@@ -17,8 +17,8 @@ from stickslip.gap.floors.floor import EXACT
 from stickslip.gap.linearised.between import BEFORE, line, moves
 from stickslip.gap.records.record import Record, switch_rows, switches
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SAME = 1e-9  # [s] between times that are one
 ROWS = 15  # behind a switch for which signals are looked at
 SHARES = (0.015, 0.03, 0.06, 0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)  # of an interval: where
@@ -28,15 +28,15 @@ SHARES = (0.015, 0.03, 0.06, 0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875
 class Behind:
     """At the times ``t`` [s] what is added to each signal, ``more`` (runs or 1, times)."""
 
-    t: Floats
-    more: Mapping[str, Floats]
+    t: Values
+    more: Mapping[str, Values]
 
     @property
     def runs(self) -> int:
         """How many runs there are."""
         return max((len(v) for v in self.more.values()), default=1)
 
-    def added(self, signal: str, table: tuple[Floats, Floats], run: int) -> tuple[Floats, Floats]:
+    def added(self, signal: str, table: tuple[Values, Values], run: int) -> tuple[Values, Values]:
         """Return times [s] and values of a signal that goes along a table's lines, with what a run adds to them."""
         if signal not in self.more:
             return table
@@ -54,7 +54,7 @@ class Behind:
 NOTHING = Behind(np.zeros(0), {})
 
 
-def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapping[str, Floats]) -> Behind:
+def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapping[str, Values]) -> Behind:
     """Return what a diagram's signals do between rows behind switches of the record's set points.
 
     ``given`` block.parameter -> one value a run.  A run that fails adds nothing.
@@ -97,7 +97,7 @@ def _rows(record: Record) -> NDArray[np.int64]:
     return np.flatnonzero(found)
 
 
-def _around(record: Record) -> Floats:
+def _around(record: Record) -> Values:
     """Return the times [s] just before and at switches between rows."""
     at = [record.log.t[k] - lead for early in record.leads.values() for k, lead in early.items() if k < len(record.log)]
     return np.array([*(t - BEFORE * record.log.dt for t in at), *at])

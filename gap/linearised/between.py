@@ -14,12 +14,12 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.gap.linearised.parts import ancestors
 from stickslip.gap.records.record import Record, switches
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
 
 
-def line(diagram: Diagram, record: Record, log: Log, signal: str) -> tuple[Floats, Floats]:
+def line(diagram: Diagram, record: Record, log: Log, signal: str) -> tuple[Values, Values]:
     """Return times [s] and values of the line along which a signal that changes all the time goes from row to row."""
     return joined(log, signal, jumps(diagram, record, log, signal))
 
@@ -44,7 +44,7 @@ def jumps(diagram: Diagram, record: Record, log: Log, signal: str) -> NDArray[np
     return found
 
 
-def joined(log: Log, signal: str, at: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+def joined(log: Log, signal: str, at: NDArray[np.bool_]) -> tuple[Values, Values]:
     """Return times [s] and values of a signal that goes smoothly from row to row except before rows at which it jumps.
 
     Between two rows stands a point of the parabolas through them and their neighbours on the same side of a jump.
@@ -67,7 +67,7 @@ def joined(log: Log, signal: str, at: NDArray[np.bool_]) -> tuple[Floats, Floats
     return np.insert(t, behind, 0.5 * (t[behind - 1] + t[behind])), np.insert(v, behind, middle)
 
 
-def bends(v: Floats, cut: NDArray[np.int64]) -> Floats:
+def bends(v: Values, cut: NDArray[np.int64]) -> Values:
     """Return the second difference of values in each interval, from its neighbours between two of the points ``cut``.
 
     >>> bends(np.array([0.0, 1.0, 4.0, 9.0, 0.0, 0.0, 0.0]), np.array([3])).tolist()
@@ -85,7 +85,7 @@ def bends(v: Floats, cut: NDArray[np.int64]) -> Floats:
     return out
 
 
-def until(t: Floats, table: tuple[Floats, Floats]) -> Floats:
+def until(t: Values, table: tuple[Values, Values]) -> Values:
     """Return what a joined signal is just before each time (first: at it), (rows,)."""
     early = t.copy()
     early[1:] -= BEFORE * np.diff(t)

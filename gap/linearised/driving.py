@@ -14,8 +14,8 @@ from stickslip.gap.linearised.between import BEFORE, line, moves
 from stickslip.gap.linearised.parts import Parts
 from stickslip.gap.records.record import Record
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SAME = 1e-7  # of an interval: times so near to one another are one
 BETWEEN = tuple((np.arange(8) + 0.5) / 8.0)  # shares of an interval at which a signal is looked at for its mean
 
@@ -41,9 +41,9 @@ def as_inputs(
 
 
 def driven(
-    diagram: Diagram, found: Parts, record: Record, logs: Sequence[Log], own: Mapping[str, Floats], many: int,
+    diagram: Diagram, found: Parts, record: Record, logs: Sequence[Log], own: Mapping[str, Values], many: int,
     more: Behind,
-) -> Floats:  # fmt: skip
+) -> Values:  # fmt: skip
     """Return what logs make valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it, and
     by how much the mean over the interval before it differs from that of a straight line.
 
@@ -81,7 +81,7 @@ def driven(
     return out
 
 
-def _times(t: Floats, more: Behind) -> Floats:
+def _times(t: Values, more: Behind) -> Values:
     """Return the rows' times [s] with those between them at which a signal is looked at: some in each interval, one
     just before each row, and all at which runs add something, such as just before and at a switch.
     """
@@ -93,7 +93,7 @@ def _times(t: Floats, more: Behind) -> Floats:
     return np.sort(np.concatenate([own, extra[apart > SAME * float(gap.min())]]))
 
 
-def _means(times: Floats, values: Floats, rows: NDArray[np.int64]) -> Floats:
+def _means(times: Values, values: Values, rows: NDArray[np.int64]) -> Values:
     """Return the mean of lines through values over the interval before each row but the first, (runs, rows - 1).
 
     >>> times = np.array([0.0, 0.5, 0.5 + 1e-9, 1.0, 2.0])  # a jump in the middle of the first interval

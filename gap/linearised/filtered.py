@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from stickslip.blocks.role import Role
 from stickslip.diagram.changes import part
 from stickslip.diagram.diagram import Diagram
@@ -32,8 +32,8 @@ from stickslip.gap.linearised.parts import Parts, ancestors, parts
 from stickslip.gap.records.model import nuisances
 from stickslip.gap.records.record import Record
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 UNSURE = 0.5  # share by which the curve of an output between two rows may be another behind a jump
 UNSURE_AT_FIRST = 0.15  # share of its first move by which it may be off that curve
@@ -57,14 +57,14 @@ class Filter:
     dt: float
     quiet: Diagram
     process: Linear
-    back: Mapping[str, Floats]
-    expected: Floats | None = None
+    back: Mapping[str, Values]
+    expected: Values | None = None
     held: Behind | None = None
     known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
         self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
-    ) -> Floats:
+    ) -> Values:
         """Return (runs, rows, pinned signals) of a silent diagram: see ``stickslip.gap.records.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         each = [record.log] if logs is None else list(logs)
@@ -80,7 +80,7 @@ class Filter:
         """Return the filter for which every diagram does between rows what one run of this one does."""
         return replace(self, held=self.between_rows(diagram, record, {}))
 
-    def between_rows(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
+    def between_rows(self, diagram: Diagram, record: Record, given: Mapping[str, Values]) -> Behind:
         """Return what runs of a diagram do between rows; a stem that sticks does it at other times than the log's."""
         if self.held is not None:
             return self.held
@@ -92,7 +92,7 @@ class Filter:
         alone: Behind = self._kept(key, record.log, lambda: behind(seen, record, known, {}))
         return alone
 
-    def _ruled(self, asked: "_Asked") -> dict[str, Floats]:
+    def _ruled(self, asked: "_Asked") -> dict[str, Values]:
         """Return the offsets of controllers, (runs or 1, rows) each."""
         found = asked.found
         if not found.judged:
@@ -100,7 +100,7 @@ class Filter:
         own = _own(asked.given, found.ruled)
         runs = asked.runs(own)
 
-        def made() -> dict[str, Floats]:
+        def made() -> dict[str, Values]:
             piece = part(asked.diagram, found.ruled, "ruled")
             inputs = as_inputs(asked.diagram, asked.record, asked.logs, piece.open_inputs, asked.more, runs)
             run = replays(
@@ -112,16 +112,16 @@ class Filter:
         if own or asked.several:
             return made()
         key = "ruled", id(asked.logs[0]), id(asked.more), _digest(asked.diagram, found.ruled)
-        kept: dict[str, Floats] = self._kept(key, (asked.logs, asked.more), made)
+        kept: dict[str, Values] = self._kept(key, (asked.logs, asked.more), made)
         return kept
 
-    def _measured(self, asked: "_Asked") -> dict[str, Floats]:
+    def _measured(self, asked: "_Asked") -> dict[str, Values]:
         """Return the innovations of measurements, (runs or 1, rows) each."""
         found, record = asked.found, asked.record
         fed, own = _own(asked.given, found.fed), _own(asked.given, found.rest)
         y = np.stack([np.stack([log[s] for s in found.measured], axis=1) for log in asked.logs])
 
-        def made() -> Floats:
+        def made() -> Values:
             runs = asked.runs({**fed, **own})
             u = self.driven(asked, fed)
             u = np.broadcast_to(u, (runs, *u.shape[1:]))
@@ -136,10 +136,10 @@ class Filter:
         e = made() if fed or own or asked.several else self._kept(key, (asked.logs, asked.more), made)
         return {s: e[..., j] for j, s in enumerate(found.measured)}
 
-    def driven(self, asked: "_Asked", own: Mapping[str, Floats]) -> Floats:
+    def driven(self, asked: "_Asked", own: Mapping[str, Values]) -> Values:
         """Return the inputs of the process, (runs or 1, 3, rows, inputs): see ``driving``."""
 
-        def made() -> Floats:
+        def made() -> Values:
             return driven(
                 asked.diagram, asked.found, asked.record, asked.logs, own, asked.runs(own), asked.more
             )  # fmt: skip
@@ -147,7 +147,7 @@ class Filter:
         if own or asked.several:
             return made()
         key = "fed", id(asked.logs[0]), id(asked.more), asked.found.given, _digest(asked.diagram, asked.found.fed)
-        alone: Floats = self._kept(key, (asked.logs, asked.more), made)
+        alone: Values = self._kept(key, (asked.logs, asked.more), made)
         return alone
 
     def _observer(self, diagram: Diagram, found: Parts) -> Observer:
@@ -165,7 +165,7 @@ class Filter:
         def made() -> Gains:
             u = self.driven(self._plain(record), {})[0]
             between = {k for early in record.leads.values() for k in early}
-            doubts: dict[int, Floats] = {}
+            doubts: dict[int, Values] = {}
             for s in self.parts.known:
                 if s in self.quiet.driven and self.quiet.blocks[self.quiet.driven[s][0]].role is Role.CONTROLLER:
                     follow = np.array([s in _read(self.quiet, one, self.parts) for one in self.parts.given])
@@ -221,7 +221,7 @@ class _Asked:
     found: Parts
     record: Record
     logs: Sequence[Log]
-    given: Mapping[str, Floats]
+    given: Mapping[str, Values]
     more: Behind
 
     @property
@@ -229,7 +229,7 @@ class _Asked:
         """Whether runs differ by more than by parameters."""
         return self.more.runs > 1 or len(self.logs) > 1
 
-    def runs(self, own: Mapping[str, Floats]) -> int:
+    def runs(self, own: Mapping[str, Values]) -> int:
         """Return how many runs differ where only some of the parameters are felt."""
         return max([self.more.runs, len(self.logs), *map(len, own.values())])
 
@@ -275,7 +275,7 @@ def _read(quiet: Diagram, signal: str, found: Parts) -> set[str]:
     return {str(s) for name in ancestors(quiet, [signal], set(found.known)) for s in quiet[name].input_labels}
 
 
-def _own(given: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]:
+def _own(given: Mapping[str, Values], names: Sequence[str]) -> dict[str, Values]:
     """Return the parameters of some blocks."""
     return {key: v for key, v in given.items() if key.rpartition(".")[0] in names}
 

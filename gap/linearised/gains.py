@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from stickslip.gap.linearised.kalman import gain, predicted
 from stickslip.gap.linearised.observer import phis
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 FORGOTTEN = 15  # rows after which the gain is the steady one again
 
 
@@ -24,14 +24,14 @@ class Linear:
     measured; ``Q`` what noise adds in ``dt`` [s], ``R`` covariance of what is measured; ``states`` and their ``size``.
     """
 
-    A: Floats
-    B: Floats
-    C: Floats
-    Q: Floats
-    R: Floats
+    A: Values
+    B: Values
+    C: Values
+    Q: Values
+    R: Values
     dt: float
     states: tuple[str, ...]
-    size: Floats
+    size: Values
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,15 +40,15 @@ class Gains:
     white, and ``which`` kind each row has.
     """
 
-    K: Floats
-    root: Floats
+    K: Values
+    root: Values
     which: NDArray[np.int64]
 
-    def white(self, e: Floats) -> Floats:
+    def white(self, e: Values) -> Values:
         """Return innovations (..., rows, outputs), each row in the unit of its own."""
         return np.asarray(np.einsum("...ri,rji->...rj", e, self.root[self.which]))
 
-    def of(self, states: tuple[str, ...], known: tuple[str, ...]) -> Floats:
+    def of(self, states: tuple[str, ...], known: tuple[str, ...]) -> Values:
         """Return the gains of other states by name; those that are not among the ``known`` ones have none."""
         place = {name: i for i, name in enumerate(known)}
         found = np.zeros((len(self.K), len(states), self.K.shape[2]))
@@ -58,7 +58,7 @@ class Gains:
         return found
 
 
-def gains(process: Linear, rows: int, doubts: Mapping[int, Floats]) -> Gains:
+def gains(process: Linear, rows: int, doubts: Mapping[int, Values]) -> Gains:
     """Return the gains of each row; ``doubts``: row -> how far each input may have been off since the row before."""
     steady = predicted(process.A, process.C, process.Q, process.R, process.dt)
     F = expm(process.A * process.dt)

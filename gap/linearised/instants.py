@@ -12,13 +12,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import losses, undisturbed
 from stickslip.gap.linearised.filtered import Filter, known_to
 from stickslip.gap.records.record import Record, switch_rows, switches
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 Switch = tuple[str, int]  # the set point, and the row that shows its switch
 SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.97)  # of an interval that are tried first
 AGAIN = (0.0, 0.25, 0.5, 0.75, 0.97)  # those that are tried of a switch whose neighbour has been told
@@ -40,7 +39,7 @@ def with_switches(quiet: Diagram, record: Record, filter: Filter) -> Record:
         return record
     judged = np.array([s in filter.parts.judged for s in record.pinned])
 
-    def left(shares: Mapping[Switch, float]) -> Floats:
+    def left(shares: Mapping[Switch, float]) -> Values:
         """Return the loss of each row with switches so much of an interval early, (rows,)."""
         leads: dict[str, dict[int, float]] = {s: {} for s in rows}
         for (s, k), share in shares.items():

@@ -7,15 +7,14 @@ The innovations e_k of the right model are white; its gain comes from the nuisan
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 ROUNDS = 60  # of doubling, which is far more than any gain needs
 SETTLED = 1e-10
 
 
-def noise(A: Floats, Q: Floats, dt: float) -> Floats:
+def noise(A: Values, Q: Values, dt: float) -> Values:
     """Return the covariance that white noise of density ``Q`` [1/s] adds to the states in ``dt`` [s] (Van Loan 1978).
 
     >>> noise(np.zeros((1, 1)), np.eye(1), 3.0).round(9).tolist()
@@ -36,7 +35,7 @@ def noise(A: Floats, Q: Floats, dt: float) -> Floats:
     return np.asarray(0.5 * (S + S.T))
 
 
-def predicted(A: Floats, C: Floats, Q: Floats, R: Floats, dt: float) -> Floats:
+def predicted(A: Values, C: Values, Q: Values, R: Values, dt: float) -> Values:
     """Return the steady covariance of predicted states, by doubling (Anderson and Moore 1979, ch. 6.7).
 
     ``A`` slopes of the rates [1/s], ``Q`` what noise adds to the states in ``dt`` [s] (``noise``).
@@ -60,7 +59,7 @@ def predicted(A: Floats, C: Floats, Q: Floats, R: Floats, dt: float) -> Floats:
     return P
 
 
-def gain(P: Floats, C: Floats, R: Floats) -> tuple[Floats, Floats]:
+def gain(P: Values, C: Values, R: Values) -> tuple[Values, Values]:
     """Return (K, S): gain and covariance of the innovations where predicted states have the covariance ``P``.
 
     >>> K, S = gain(np.array([[1.0]]), np.eye(1), np.array([[3.0]]))

@@ -6,7 +6,6 @@ States are in units of their sizes there, loads in their standard deviations.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close
 from stickslip.diagram.linear.slopes import Slopes, slopes
@@ -14,13 +13,13 @@ from stickslip.gap.linearised.gains import Linear
 from stickslip.gap.linearised.kalman import noise
 from stickslip.gap.linearised.observer import LEAST, load_state
 from stickslip.gap.linearised.parts import Parts
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 MISSED = 1e-5  # of a state's size: what a model misses in one second
 MOVES, NEAR = 3, 1e-3  # how often a process is moved to where the log is, and how near is enough, of each signal
 
 
-def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Slopes:
+def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Values) -> Slopes:
     """Return the slopes of a process where it shows what the log shows on average, as little moved as that takes."""
     closed = close(piece, {s: at[s] for s in piece.open_inputs})
     local = slopes(closed)
@@ -34,7 +33,7 @@ def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -
     return local
 
 
-def back(local: Slopes, found: Parts) -> Floats:
+def back(local: Slopes, found: Parts) -> Values:
     """Return how far the states of a process move, as little as that takes, for each of what is measured to move by
     one, (states, measured).
     """
@@ -46,7 +45,7 @@ def back(local: Slopes, found: Parts) -> Floats:
 
 
 def linear(
-    local: Slopes, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, tuple[float, float]], R: Floats,
+    local: Slopes, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, tuple[float, float]], R: Values,
     dt: float,
 ) -> Linear:  # fmt: skip
     """Return a process near a point with its loads as states behind its own; ``R`` covariance of what is measured."""

@@ -18,8 +18,8 @@ from stickslip.engine.observing import observed, slopes_at
 from stickslip.engine.run import Settings, prepare
 from stickslip.engine.snapshot import Snapshot
 from stickslip.engine.table import Component
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
 LOST = 1e3  # sizes at the start beyond which a process has run away
 AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where they change, and where a process runs away
@@ -44,13 +44,13 @@ class Observer:
     loaded: NDArray[np.int64]
     shown: NDArray[np.int64]
     states: tuple[str, ...]
-    start: Floats
-    decay: Floats
+    start: Values
+    decay: Values
 
     def residuals(
-        self, params: Mapping[str, ArrayLike], u: Floats, y: Floats, K: Floats, which: NDArray[np.int64],
-        start: Mapping[str, float], back: Mapping[str, Floats], dt: float,
-    ) -> Floats:  # fmt: skip
+        self, params: Mapping[str, ArrayLike], u: Values, y: Values, K: Values, which: NDArray[np.int64],
+        start: Mapping[str, float], back: Mapping[str, Values], dt: float,
+    ) -> Values:  # fmt: skip
         """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
 
         ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
@@ -74,9 +74,9 @@ class Observer:
         return out
 
     def _one(
-        self, I: NDArray[np.int64], W: Floats, u: Floats, y: Floats, K: Floats, which: NDArray[np.int64], z: Floats,
-        M: Floats, dt: float,
-    ) -> Floats:  # fmt: skip
+        self, I: NDArray[np.int64], W: Values, u: Values, y: Values, K: Values, which: NDArray[np.int64], z: Values,
+        M: Values, dt: float,
+    ) -> Values:  # fmt: skip
         """Return what one run leaves, from a state near ``z`` that shows the first row."""
         e, start, far = np.full(y.shape, np.nan), z.copy(), np.maximum(np.abs(z), 1.0)
         here, off = np.ascontiguousarray(u[0]), np.concatenate([u[2, 1:], np.zeros((1, u.shape[2]))])
@@ -100,7 +100,7 @@ class Observer:
 
         seen_at, seen_z, seen_J = -1, z, none
 
-        def slopes(k: int) -> Floats:
+        def slopes(k: int) -> Values:
             """Return the slopes of the rates where the process is at a row."""
             nonlocal seen_at, seen_z, seen_J
             if k != seen_at or not np.array_equal(z, seen_z):
@@ -160,7 +160,7 @@ def parted(first: int, behind: int, rows: int) -> list[slice]:
     return [slice(k, min(k + rows, behind)) for k in range(first, behind, rows)]
 
 
-def phis(A: Floats) -> tuple[Floats, Floats]:
+def phis(A: Values) -> tuple[Values, Values]:
     """Return phi_1(A) = (e^A - 1)/A and phi_2(A) = (e^A - 1 - A)/A^2, by their series for A/2^s and doubling.
 
     >>> one, two = phis(np.array([[-1000.0]]))

@@ -8,7 +8,6 @@ A segment is a controller with what is before it, back to logged signals; the pr
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import (
     Floor,
@@ -25,8 +24,8 @@ from stickslip.gap.linearised.instants import with_switches
 from stickslip.gap.linearised.parts import ancestors
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 FOLDS = 4  # parts of the runs, each of which tells the score of a floor made of the others
 FAR = 6.0  # medians of a residual beyond which it says nothing of the usual size
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
@@ -38,9 +37,9 @@ class Usual:
     (signals,) each.
     """
 
-    unit: Floats
-    mean: Floats
-    sd: Floats
+    unit: Values
+    mean: Values
+    sd: Values
 
 
 def floor_of_record(
@@ -64,7 +63,7 @@ def _expecting(quiet: Diagram, record: Record) -> Record:
     return replace(record, filter=replace(filter, expected=np.where(behind[:, None], left, 0.0)))
 
 
-def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
+def _shape(found: Values, settling: float, judged: list[bool]) -> Floor:
     """Return the floor of residuals of runs without a gap, (runs, rows, signals).
 
     Its scores are those of runs that it is not made of: a record is as new to it as they are.
@@ -82,7 +81,7 @@ def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
     return replace(floor, scores=np.sort(whole[np.isfinite(whole)]))
 
 
-def _usual(floor: Floor, found: Floats) -> Usual:
+def _usual(floor: Floor, found: Values) -> Usual:
     """Return what single signals leave, of residuals of runs without a gap, (runs, rows, signals)."""
     r = residuals(found, floor.changes)[:, floor.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.answers.report import Size
 from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
 SURE = 1.645  # standard deviations of an interval of 90 %
 
@@ -168,7 +167,7 @@ class Held:
 
     @property
     @abstractmethod
-    def r(self) -> Floats:
+    def r(self) -> Values:
         """Variance of the log's rounding of each signal."""
 
     @cached_property
@@ -177,13 +176,13 @@ class Held:
         return tuple(sorted(self.record.pinned, key=lambda s: self.ops.index(s) if s in self.ops else -1))
 
     @cached_property
-    def Y(self) -> Floats:
+    def Y(self) -> Values:
         """Logged values, (rows, signals); NaN where they are not good."""
         log = self.record.log
         return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
 
     @cached_property
-    def sure(self) -> Floats:
+    def sure(self) -> Values:
         """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
         return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
 

@@ -11,8 +11,8 @@ from stickslip.diagram.ensembles.running import ensemble
 from stickslip.diagram.pins import replays
 from stickslip.gap.records.record import Record
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 READY = 128  # diagrams that stay pinned to a record: those of a whole catalogue, on its first part too
 
 
@@ -23,7 +23,7 @@ def offsets(
     start: Mapping[str, ArrayLike] | None = None,
     logs: Sequence[Log] | None = None,
     workers: int | None = None,
-) -> Floats:
+) -> Values:
     """Return what the pins add, (runs, rows, pinned signals); NaN where any is missing, or a run failed.
 
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
@@ -40,7 +40,7 @@ def branched(
     logs: Sequence[Log] | None = None,
     branches: Branches | None = None,
     workers: int | None = None,
-) -> tuple[Floats, Floats]:
+) -> tuple[Values, Values]:
     """Return the offsets, as ``offsets`` does, and how many ``branches`` were kept in each run, (runs,)."""
     if record.filter is not None:
         found = record.filter.residuals(diagram, record, params, logs)

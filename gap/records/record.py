@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
 FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
@@ -104,7 +104,7 @@ class Residuals(Protocol):
 
     def residuals(
         self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
-    ) -> Floats:
+    ) -> Values:
         """Return (runs, rows, pinned signals)."""
 
     def holding(self, diagram: Diagram, record: "Record") -> "Residuals":
@@ -164,7 +164,7 @@ class Record:
         """Rounding of each signal that the model drives [its unit], 0 for none."""
         return {s: 0.0 if s in self.lattices else self.lattice(s) for s in (*self.pinned, *self.used)}
 
-    def known(self, signal: str) -> Floats:
+    def known(self, signal: str) -> Values:
         """Return the good values of a signal."""
         return self.log[signal][self.log.good(signal)]
 
@@ -178,7 +178,7 @@ class Record:
         """First good value of each signal of the log."""
         return {s: float(self.known(s)[0]) for s in self.log.names if len(self.known(s))}
 
-    def rounded(self, values: dict[str, Floats]) -> dict[str, Floats]:
+    def rounded(self, values: dict[str, Values]) -> dict[str, Values]:
         """Return values of the pinned signals rounded as the log rounds them."""
         return {s: np.round(v / self.steps[s]) * self.steps[s] if self.steps[s] else v for s, v in values.items()}
 

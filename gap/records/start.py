@@ -9,14 +9,13 @@ model may start so far away that all slopes are hidden by limits: a controller m
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.records.model import smooth_memories
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import Record
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 ROWS = 60  # of the record's beginning
 STEP = 1e-3  # perturbation of a start value, in its own size or 1e-3
 FELT = 1e-6  # smallest response, in spreads of the signal per unit of start value, that counts
@@ -72,7 +71,7 @@ def start_spread(quiet: Diagram, record: Record) -> dict[str, float]:
     return {name: float(1.0 / f) for name, f in zip(names, felt, strict=True) if f > FELT}
 
 
-def _head(record: Record) -> tuple[Record, Floats]:
+def _head(record: Record) -> tuple[Record, Values]:
     """Return the first rows of a record, and the spread of each pinned signal over all."""
     log = record.log.samples(0, min(ROWS, len(record.log)))
     spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
@@ -91,7 +90,7 @@ def _names(quiet: Diagram) -> dict[str, float]:
     }
 
 
-def _slopes(quiet: Diagram, head: Record, values: Mapping[str, float], spread: Floats) -> tuple[Floats, Floats]:
+def _slopes(quiet: Diagram, head: Record, values: Mapping[str, float], spread: Values) -> tuple[Values, Values]:
     """Return the offsets [spreads] from start values, and their slopes in each of these."""
     found = _tried(quiet, head, [values, *({**values, key: v + _step(v)} for key, v in values.items())]) / spread
     seen = np.isfinite(found).all(axis=0)
@@ -113,7 +112,7 @@ def _settled(quiet: Diagram, record: Record) -> dict[str, float]:
     return found
 
 
-def _tried(quiet: Diagram, head: Record, many: Sequence[Mapping[str, float]]) -> Floats:
+def _tried(quiet: Diagram, head: Record, many: Sequence[Mapping[str, float]]) -> Values:
     """Return the offsets from each set of start values, (sets, rows, signals)."""
     start = {key: np.array([values[key] for values in many]) for key in many[0]}
     return offsets(quiet, head, start=start, workers=1)  # a thread costs more than such short runs

@@ -4,19 +4,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.blocks.recorded import Recorded
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.simulation import simulate
 from stickslip.gap.records.record import GapError, Record
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 
 if TYPE_CHECKING:
     from stickslip.diagram.segments import Segment
 
 __all__ = ["driven_to", "filled", "most_amiss", "segment_at"]
-
-Floats = NDArray[np.float64]
 
 
 def segment_at(quiet: Diagram, record: Record, place: str) -> "Segment[Diagram]":
@@ -31,15 +29,15 @@ def segment_at(quiet: Diagram, record: Record, place: str) -> "Segment[Diagram]"
     return segment
 
 
-def most_amiss(segment: "Segment[Diagram]", residuals: Mapping[str, Floats]) -> str:
+def most_amiss(segment: "Segment[Diagram]", residuals: Mapping[str, Values]) -> str:
     """Return the logged signal that a segment drives and of which the model as it is leaves most; (2, rows) each."""
     outputs = [s for s in segment.drives if s in residuals] or list(segment.drives)
     return max(outputs, key=lambda s: _size(residuals.get(s)))
 
 
 def driven_to(
-    quiet: Diagram, segment: "Segment[Diagram]", log: Log, inputs: Mapping[str, Floats], shown: str
-) -> Floats:
+    quiet: Diagram, segment: "Segment[Diagram]", log: Log, inputs: Mapping[str, Values], shown: str
+) -> Values:
     """Return what the segment drives a signal to, its inputs those given, (rows,).
 
     Raises ``GapError`` if it cannot be run so.
@@ -56,7 +54,7 @@ def driven_to(
     return run.log[name]
 
 
-def filled(values: Floats) -> Floats:
+def filled(values: Values) -> Values:
     """Return a signal with what is missing on a straight line.
 
     >>> filled(np.array([1.0, np.nan, 3.0])).tolist()
@@ -68,6 +66,6 @@ def filled(values: Floats) -> Floats:
     return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(good), values[good]))
 
 
-def _size(residuals: Floats | None) -> float:
+def _size(residuals: Values | None) -> float:
     """Return the mean square of what the model as it is leaves of a signal, 0 where nothing is known."""
     return 0.0 if residuals is None else float(np.nanmean(np.clip(residuals[0], -1e3, 1e3) ** 2))

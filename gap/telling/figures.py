@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from stickslip.logs.arrays import Values
 from stickslip.logs.style import AXIS, GREEN, INK, ORANGE, RED, SOFT, WIRE, tidy
 from stickslip.logs.thinned import thinned
 from stickslip.logs.time_axis import time_unit
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from stickslip.gap.telling.latent import LatentInput
     from stickslip.gap.telling.replayed import Replayed
 
-Floats = NDArray[np.float64]
 GROUPS = 30  # of a panel
 DOTS = 3000  # of a panel
 WITHIN = (0.01, 0.99)  # parts of the rates that are shown; the steps of a set point beyond stand at the end
@@ -110,7 +109,7 @@ def plot_latent(found: "LatentInput") -> "Figure":
     return figure
 
 
-def _means(x: Floats, d: Floats) -> tuple[Floats, Floats]:
+def _means(x: Values, d: Values) -> tuple[Values, Values]:
     """Return the means of groups of equally many rows in the order of x: of x and of d."""
     if len(x) == 0:
         return x, d

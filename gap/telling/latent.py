@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.segments import Segment
 from stickslip.gap.answers.report import GapReport
@@ -23,12 +22,12 @@ from stickslip.gap.records.record import GapError, Record
 from stickslip.gap.records.start import start_values
 from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 GROUPS = 24  # of rows, by which shares are told
 RATIOS = np.logspace(-8.0, 4.0, 49)  # of the step of d to the noise, as squares, times the largest |G|^2
 PULSE = 0.02  # of the range of u, for one row
@@ -48,9 +47,9 @@ class LatentInput(Shown):
 
     signal: str
     shown: str
-    t: Floats
-    values: Floats
-    against: Mapping[str, Floats] = field(default_factory=dict)
+    t: Values
+    values: Values
+    against: Mapping[str, Values] = field(default_factory=dict)
     shares: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -145,7 +144,7 @@ def _found(quiet: Diagram, segment: "Segment[Diagram]", record: Record, known: l
     return LatentInput(signal, shown, log.t[kept], d[kept], against, shares)
 
 
-def _deconvolved(y: Floats, g: Floats, integral: bool) -> Floats:
+def _deconvolved(y: Values, g: Values, integral: bool) -> Values:
     if integral:
         y, g = np.diff(y, prepend=y[0]), np.diff(g, prepend=0.0)
     n = len(y)
@@ -167,7 +166,7 @@ def _deconvolved(y: Floats, g: Floats, integral: bool) -> Floats:
     return np.asarray(np.fft.irfft(told, size)[:n])
 
 
-def _direction(values: Floats) -> Floats:
+def _direction(values: Values) -> Values:
     """Return which way a signal goes, -1 or 1, (rows,): it turns where it has come back by ``TURN`` times its noise."""
     second = np.diff(values, 2)
     least = TURN * 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0)  # white noise: its median and spread
@@ -181,7 +180,7 @@ def _direction(values: Floats) -> Floats:
     return found
 
 
-def _share(d: Floats, values: Floats) -> float:
+def _share(d: Values, values: Values) -> float:
     """Return the share of the variance of d that goes with a signal, by groups of it, less what chance would give."""
     levels = np.unique(values)
     edges = levels if len(levels) <= GROUPS else np.quantile(values, np.linspace(0.0, 1.0, GROUPS + 1)[1:-1])

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Shrinkage
 from stickslip.gap.effects import effect
 from stickslip.gap.insertion.effect import EffectError
@@ -18,6 +17,7 @@ from stickslip.gap.records.record import GapError, Record
 from stickslip.gap.records.start import start_values
 from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
 from stickslip.logs import Log
+from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Replayed", "replayed"]
 
-Floats = NDArray[np.float64]
 SHARE = 0.25  # of the record that is drawn
 FEWEST = 300  # rows that are drawn where there are as many
 
@@ -41,10 +40,10 @@ class Replayed(Shown):
 
     signal: str
     unit: str
-    t: Floats
-    logged: Floats
-    as_it_is: Floats
-    with_cause: Floats | None
+    t: Values
+    logged: Values
+    as_it_is: Values
+    with_cause: Values | None
     inputs: tuple[str, ...]
     cause: str
     shrinkage: Shrinkage | None
@@ -119,7 +118,7 @@ def _stretch(record: Record, report: GapReport, shown: str) -> Record:
 
 def _with(
     report: GapReport, opened: "Diagram", stretch: Record, causes: tuple[Cause, ...], shown: str
-) -> Floats | None:
+) -> Values | None:
     """Return the signal of the model with the causes in; None where they cannot be put in by their names and sizes."""
     model = opened
     try:
@@ -132,7 +131,7 @@ def _with(
         return None
 
 
-def _run(model: "Diagram", stretch: Record, place: str, shown: str) -> Floats:
+def _run(model: "Diagram", stretch: Record, place: str, shown: str) -> Values:
     quiet = silenced(model)
     quiet = quiet.starting_at(start_values(quiet, stretch))
     segment = segment_at(quiet, stretch, place)
@@ -140,5 +139,5 @@ def _run(model: "Diagram", stretch: Record, place: str, shown: str) -> Floats:
     return driven_to(quiet, segment, stretch.log, inputs, shown)
 
 
-def _rms(values: Floats) -> float:
+def _rms(values: Values) -> float:
     return float(np.sqrt(np.nanmean(values**2)))

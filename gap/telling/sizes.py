@@ -1,17 +1,16 @@
 """How far a gap shrinks on rows that the fit of an effect has not seen."""
 
 import numpy as np
-from numpy.typing import NDArray
 from stickslip.gap.answers.report import Shrinkage
 from stickslip.gap.floors.floor import losses
+from stickslip.logs.arrays import Values
 
-Floats = NDArray[np.float64]
 SEEN = 0.625  # share of the rows on which effects are fitted again to be judged on the rest
 RANGE, NOTHING = (-9.0, 1.0), 1e-6  # of a fraction; loss above the floor that is none
 BLOCKS = 12  # stretches of the rest whose scatter gives the interval
 
 
-def shrinkage(before: Floats, after: Floats, floor: float, first: int) -> Shrinkage:
+def shrinkage(before: Values, after: Values, floor: float, first: int) -> Shrinkage:
     """Return how far the gap shrinks on the rows from ``first`` on.
 
     ``before``, ``after`` innovations (rows, signals) of the model as it is and with effects that were fitted on earlier
@@ -21,7 +20,7 @@ def shrinkage(before: Floats, after: Floats, floor: float, first: int) -> Shrink
     return _by_stretches(losses(before[rows]).mean(axis=1), losses(after[rows]).mean(axis=1), floor)
 
 
-def shrinkage_of_losses(before: Floats, after: Floats, e: Floats, first: int) -> Shrinkage:
+def shrinkage_of_losses(before: Values, after: Values, e: Values, first: int) -> Shrinkage:
     """Return how far the gap shrinks on the rows from ``first`` on, from a likelihood's losses of rows (rows,).
 
     ``e`` (rows, signals) innovations with effects.  A loss counts less what the effect's own filter would leave if its
@@ -32,7 +31,7 @@ def shrinkage_of_losses(before: Floats, after: Floats, e: Floats, first: int) ->
     return _by_stretches(before[first:] / signals - reference, after[first:] / signals - reference, 0.5)
 
 
-def _by_stretches(before: Floats, after: Floats, floor: float) -> Shrinkage:
+def _by_stretches(before: Values, after: Values, floor: float) -> Shrinkage:
     """Return the shrinkage, with the interval that the scatter over stretches gives."""
     parts = np.array_split(np.arange(len(before)), BLOCKS)
     b, a = (np.array([loss[part].mean() for part in parts]) for loss in (before, after))
