@@ -129,9 +129,8 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     """Return the likeliest limit, each with a filter of its own: where it is met other gains hold; None if none is."""
     at = {key: null.best.values[key] for key in one.frame.free}
     still = tried(null.hypothesis, null.best.values, null.best)
-    near = [
-        (values, tried(one, values, null.best, FIRST_RUNS)) for size in sizes(null, one) for values in [{**at, **size}]
-    ]
+    asked = [{**at, **size} for size in sizes(null, one)]
+    near = [(values, tried(one, values, null.best, FIRST_RUNS)) for values in asked]
     met = sorted((trial for trial in near if _is_met(still, trial[1])), key=lambda trial: _nll(trial[1]))
     # inputs have switched where it suits a loop without a limit: what a controller makes of them is felt most
     several = SWITCHED if one.frame.model[one.place].role is Role.CONTROLLER else 1

@@ -17,7 +17,7 @@ from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record
 from stickslip.gap.records.regular import without_unsettled
-from stickslip.gap.records.start import start_spread, start_values
+from stickslip.gap.records.start import start_values, unsure_starts
 
 MORE = (
     50  # times the steps of the model alone, from which on a filter is given up: an effect makes its steps ever smaller
@@ -40,7 +40,7 @@ def frame_of(model: Diagram, record: Record, asked: bool = True) -> Frame | None
     frames = (
         Frame(Given(model.starting_at(start)), record, unsure={name: share * sd for name, sd in unsure.items()})
         for start in (start_values(quiet, record), {})
-        for unsure in [start_spread(quiet.starting_at(start), record)]
+        for unsure in [unsure_starts(quiet.starting_at(start), record)]
         for share in SHARES
     )
     try:

@@ -56,7 +56,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
         return judged_by_loss(fit, null, seed)
     away = [(f"a trace of {c.hypothesis}", c.direction) for c in others if c.direction is not None]
     directions = [*_apart(fit, away), *constancy(fit)]
-    one, f = fit.hypothesis, fit.hypothesis.frame
+    one = fit.hypothesis
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have
     name, size = largest(fit if mine is None else replace(fit, best=mine), directions)
     least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
@@ -68,7 +68,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
         return found
 
     def figure_of(log: Log) -> float | None:
-        left = _left(fit, one.of(replace(f, record=replace(f.record, log=log))))
+        left = _left_by_run(fit, log)
         return None if left is None else largest(replace(fit, best=left), directions)[1]
 
     for k in range(0, len(logs), BATCH):
@@ -137,13 +137,16 @@ def gained_by_chance(fit: Fit, null: Fit, seed: int = 0) -> float:
     """
     best = 0.0
     for log in _runs(null, CHANCES, seed + 1):
-        alone, ahead = (
-            _left(one, one.hypothesis.of(replace(f, record=replace(f.record, log=log))))
-            for one in (null, fit) for f in [one.hypothesis.frame]
-        )  # fmt: skip
+        alone, ahead = _left_by_run(null, log), _left_by_run(fit, log)
         if alone is not None and ahead is not None:
             best = max(best, alone.nll - ahead.nll)
     return best
+
+
+def _left_by_run(fit: Fit, log: Log) -> Innovations | None:
+    """Return what another log of the same rows leaves with the values of a fit."""
+    f = fit.hypothesis.frame
+    return _left(fit, fit.hypothesis.of(replace(f, record=replace(f.record, log=log))))
 
 
 def _left(fit: Fit, run: Hypothesis) -> Innovations | None:

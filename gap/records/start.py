@@ -56,7 +56,7 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
     return values
 
 
-def start_spread(quiet: Diagram, record: Record) -> dict[str, float]:
+def unsure_starts(quiet: Diagram, record: Record) -> dict[str, float]:
     """Return by how much each state of a silent model may start elsewhere, by name, where the first rows feel it.
 
     Loads that nobody measures were there before the record.  So a state may be off by what moves some signal by as
