@@ -6,6 +6,7 @@ Each figure is normal with mean 0 and standard deviation 1 if the explanation is
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from stickslip.logs.arrays import Values
 
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)
@@ -14,6 +15,7 @@ BLOCKS = 16  # stretches of a record whose variances are compared
 BEHIND = 24  # rows behind a switch of an input
 SLOWEST = 40  # of the record's frequencies that are looked at one by one
 SYMMETRIC = 0.05  # skewness of a sum below which it is normal
+COMPUTED = 100.0  # times the variance to which a run computes a signal: of what others were computed to as well
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
 
 
@@ -25,6 +27,10 @@ class Left(Protocol):
         """What is explained how."""
 
     @property
+    def S(self) -> Values:
+        """Their variances, [unit of the signal]^2."""
+
+    @property
     def judged(self) -> Values:
         """The innovations."""
 
@@ -34,6 +40,7 @@ def checks(one: Left) -> dict[str, float]:
     f = one.explanation.filtering
     e = one.judged
     found: dict[str, float] = {}
+    e = np.where(_foretold(one, e), np.nan, e)
     known = np.isfinite(e)
     cut = np.clip(np.nan_to_num(e), -CALM, CALM)
     size = np.where(known, np.minimum(np.nan_to_num(e) ** 2, CALM**2) - 1.0, 0.0)
@@ -68,6 +75,13 @@ def checks(one: Left) -> dict[str, float]:
                     a[max(-lag, 0) : len(a) - max(lag, 0)], b[max(lag, 0) : len(b) - max(-lag, 0)]
                 )
     return found
+
+
+def _foretold(one: Left, e: Values) -> NDArray[np.bool_]:
+    """Return which signals are foretold as well as a run computes them: what is left of them says nothing."""
+    usual = np.median(np.where(np.isnan(one.S), np.inf, one.S), axis=0)
+    near = usual < COMPUTED * one.explanation.filtering.computed
+    return np.asarray(near & (np.nansum(e**2, axis=0) < np.isfinite(e).sum(axis=0)))
 
 
 def known_of(one: Left) -> dict[str, Values]:

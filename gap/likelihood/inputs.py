@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
-from stickslip.gap.records.record import Record, rounding, switch_rows, switches
+from stickslip.gap.records.record import Record, last_steps, rounding, significant, switch_rows, switches
 from stickslip.logs.arrays import Values
 
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
@@ -38,8 +38,9 @@ class Doubt:
         phi, sd = np.ones(len(stops)), np.zeros(len(stops))
         fresh = np.diff(values, prepend=np.nan) != 0.0
         at_row = row_of >= 0
+        step = last_steps(values, self.step, significant(values) if self.step else 0)[np.maximum(row_of, 0)]
         new = at_row & fresh[np.maximum(row_of, 0)]
-        phi[new], sd[new] = 0.0, self.step / np.sqrt(12.0)
+        phi[new], sd[new] = 0.0, step[new] / np.sqrt(12.0)
         if self.spread > 0.0:
             k = np.clip(np.searchsorted(log_t, stops, side="right") - 1, 0, len(log_t) - 2)
             share = np.clip((stops - log_t[k]) / (log_t[k + 1] - log_t[k]), 0.0, 1.0)
@@ -51,15 +52,21 @@ class Doubt:
             phi[moving] = ((1.0 - share) / (1.0 - since))[moving]
             sd[moving] = 2.0 * (wide * np.sqrt((share - since) * (1.0 - share) / (1.0 - since)))[moving]
             behind = at_row & np.concatenate([[False], moving[:-1]])
-            phi[behind], sd[behind] = 0.0, self.step / np.sqrt(12.0)
+            phi[behind], sd[behind] = 0.0, step[behind] / np.sqrt(12.0)
         return phi, sd
 
 
 def rounded(record: Record) -> dict[str, Doubt]:
-    """Return the doubts of inputs that have the digits which the log gives other signals."""
+    """Return the doubts of inputs that are measured or computed: they move at row after row, or have the digits which
+    the log gives other signals.
+    """
     finest = max((record.steps[s] for s in record.pinned), default=0.0)
     steps = {s: rounding(record.known(s)) for s in record.played}
-    return {s: Doubt(step) for s, step in steps.items() if 0.0 < finest / TYPED <= step <= TYPED * finest}
+    return {
+        s: Doubt(step)
+        for s, step in steps.items()
+        if step > 0.0 and (moves(record, s) or finest / TYPED <= step <= TYPED * finest)
+    }
 
 
 def moves(record: Record, signal: str) -> bool:

@@ -168,7 +168,7 @@ class Held:
     @property
     @abstractmethod
     def r(self) -> Values:
-        """Variance of the log's rounding of each signal."""
+        """Variance of the log's rounding of each value, (rows, signals)."""
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
@@ -184,7 +184,7 @@ class Held:
     @cached_property
     def sure(self) -> Values:
         """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
-        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+        return np.asarray(0.5 * np.log(12.0 * np.median(self.r, axis=0) / (2.0 * np.pi)))
 
     @cached_property
     def skipped(self) -> int:
