@@ -16,6 +16,8 @@ BEHIND = 24  # rows behind a switch of an input
 SLOWEST = 40  # of the record's frequencies that are looked at one by one
 SYMMETRIC = 0.05  # skewness of a sum below which it is normal
 COMPUTED = 100.0  # times the variance to which a run computes a signal: of what others were computed to as well
+ROUNDED = 2.0  # times the variance of its rounding: of what is foretold to its last digit
+BETTER = 0.5  # of the mean square that is due: so little is no chance in a hundred rows
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
 
 
@@ -78,10 +80,14 @@ def checks(one: Left) -> dict[str, float]:
 
 
 def _foretold(one: Left, e: Values) -> NDArray[np.bool_]:
-    """Return which signals are foretold as well as a run computes them: what is left of them says nothing."""
+    """Return which signals are foretold better than a run computes them, or than their digits say: what is left of
+    them says nothing.  A signal that is computed of a coarse one has coarse values itself, which nothing has rounded.
+    """
+    f = one.explanation.filtering
     usual = np.median(np.where(np.isnan(one.S), np.inf, one.S), axis=0)
-    near = usual < COMPUTED * one.explanation.filtering.computed
-    return np.asarray(near & (np.nansum(e**2, axis=0) < np.isfinite(e).sum(axis=0)))
+    square = np.nansum(e**2, axis=0) / np.maximum(np.isfinite(e).sum(axis=0), 1)
+    computed, digits = usual < COMPUTED * f.computed, usual < ROUNDED * np.median(f.r, axis=0)
+    return np.asarray((computed & (square < 1.0)) | (digits & (square < BETTER)))
 
 
 def known_of(one: Left) -> dict[str, Values]:

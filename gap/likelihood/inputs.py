@@ -18,12 +18,12 @@ from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
 from stickslip.gap.records.record import Record, last_steps, rounding, significant, switch_rows, switches
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import OF_SIZES, spread
 
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
 NEAR = 61  # rows over which an input is taken to move alike
-NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Doubt:
             share = np.clip((stops - log_t[k]) / (log_t[k + 1] - log_t[k]), 0.0, 1.0)
             since = np.where(np.diff(k, prepend=-1) == 0, np.concatenate([[0.0], share[:-1]]), 0.0)
             steps = np.abs(np.diff(values))
-            jumps = steps > JUMP * NORMAL * float(np.median(steps))  # somewhere between the rows
+            jumps = steps > JUMP * spread(steps)  # somewhere between the rows
             wide = np.where(jumps, 0.5 * steps, spreads(values)[:-1])[k]
             moving = ~at_row & (fresh[k] | fresh[k + 1])
             phi[moving] = ((1.0 - share) / (1.0 - since))[moving]
@@ -85,7 +85,7 @@ def spreads(values: Values) -> Values:
     the ratio is larger.
     """
     off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-    usual = NORMAL * median_filter(off, min(NEAR, len(off)), mode="nearest") / np.sqrt(2.0)
+    usual = OF_SIZES * median_filter(off, min(NEAR, len(off)), mode="nearest") / np.sqrt(2.0)
     return np.concatenate([usual[:1], usual, usual[-1:]])
 
 

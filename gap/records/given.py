@@ -13,9 +13,9 @@ from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import Z90
 
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
-SURE = 1.645  # standard deviations of an interval of 90 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def sizes(
         value = float(values[p.name])
         if p.nuisance or not math.isfinite(value):
             continue
-        wide = SURE * sd.get(p.name, 0.0)
+        wide = Z90 * sd.get(p.name, 0.0)
         low, high = bounds.get(p.name, (value, value))
         found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
     return found

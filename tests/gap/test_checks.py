@@ -17,7 +17,9 @@ def test_figures_of_white_innovations_are_normal_though_a_set_point_switches_onl
     PV, OP = SP + 0.01 * np.cumsum(rng.normal(size=ROWS)), np.convolve(rng.normal(size=ROWS), np.ones(9), "same")
     record = SimpleNamespace(log=Log(t, {"SP": SP, "PV": PV, "OP": OP}), played=("SP",))
     explanation = SimpleNamespace(
-        filtering=SimpleNamespace(signals=("PV", "OP"), record=record, skipped=1, computed=np.zeros(2))
+        filtering=SimpleNamespace(
+            signals=("PV", "OP"), record=record, skipped=1, computed=np.zeros(2), r=np.zeros((ROWS, 2))
+        )
     )
     S = np.ones((ROWS - 1, 2))
     each = [
