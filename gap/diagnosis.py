@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.progress import Progress
 from stickslip.gap.answers.report import UNKNOWN, GapReport
@@ -31,6 +32,7 @@ from stickslip.logs.processes import one_thread
 
 
 @one_thread
+@np.errstate(over="ignore", invalid="ignore")  # sizes that are tried drive a user's equations out of their domain
 def diagnose(
     diagram: Diagram,
     log: Log | Any,

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from stickslip.blocks.role import Role
+from stickslip.gap.fits.straightness import deviation_of, sloping
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.insertion.straightness import deviation_of, sloping
 from stickslip.gap.records.given import Held
-from stickslip.gap.records.record import rounding
+from stickslip.gap.records.record import last_steps, rounding, significant
 from stickslip.logs.arrays import Values
 
 APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse, or a compression shows
@@ -67,13 +67,15 @@ def straightened(held: Held, seed: int, others: Sequence[Mapping[str, float]] = 
     # a valve takes what a controller gives, or a selector behind it: straight where the controller is calm
     to_valves = {str(s) for b in held.model.blocks if b.role is Role.VALVE for s in b.input_labels}
     for signal, values in zip(held.signals, held.Y.T, strict=True):
-        step = rounding(values)
-        if signal in to_valves or signal in held.ops or sloping(values, step) < STRAIGHT:
+        step, digits = rounding(values), significant(values)
+        own = sloping(values, last_steps(values, step, digits))
+        if signal in to_valves or signal in held.ops or own < STRAIGHT:
             continue
         for model in models:
             plain = without_gap(model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
-            usual = max((sloping(log[signal], step) for log in plain), default=1.0)
-            if usual >= ROUNDED or sloping(values, step) < usual + STRAIGHT:
+            lines = (sloping(log[signal], last_steps(log[signal], step, digits)) for log in plain)
+            usual = max(lines, default=1.0)
+            if usual >= ROUNDED or own < usual + STRAIGHT:
                 break
         else:
             return signal
@@ -89,5 +91,5 @@ def deviation(
     """
     values = held.Y[:, held.signals.index(signal)]
     plain = without_gap(held.model.with_params(held.given.settings(fitted)), held.record, 1, seed + 1)
-    found = deviation_of(plain[0], effect, place, signal, rounding(values), values) if plain else 0.0
+    found = deviation_of(plain[0], effect, place, signal, values) if plain else 0.0
     return found if found > APART * rounding(values) else None

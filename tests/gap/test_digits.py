@@ -12,7 +12,7 @@ from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import straightened
 from stickslip.gap.fits.scans import read_off
-from stickslip.gap.insertion.straightness import lined, sloping
+from stickslip.gap.fits.straightness import lined, sloping
 from stickslip.gap.records.record import spacing
 from stickslip.logs import Log
 from stickslip.logs.dirt import swinging_door

@@ -14,7 +14,7 @@ from stickslip.gap.exact.rows import by_rows
 from stickslip.gap.exact.scanned import scanned
 from stickslip.gap.exact.stems import stuck
 from stickslip.gap.fits.digits import levels
-from stickslip.gap.insertion.straightness import lined
+from stickslip.gap.fits.straightness import lined
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import refined
 from stickslip.gap.likelihood.framing import when_switched

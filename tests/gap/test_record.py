@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stickslip.gap.fits.scans import read_off
-from stickslip.gap.insertion.straightness import sloping
+from stickslip.gap.fits.straightness import sloping
 from stickslip.gap.records.record import rounding
 
 
