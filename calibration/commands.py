@@ -31,10 +31,10 @@ FIRST = (
     Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
 )  # fmt: skip
 AGAIN = (
-    Source("crossed", 1000, "usual", 10_000), Source("training", 70_000, "usual", 3_000),
-    Source("creeping", 70_100, "usual", 2_000),
+    Source("crossed", 1000, "usual", 39_500), Source("crossed", 1200, "usual", 14_500),
+    Source("training", 70_000, "usual", 12_000), Source("creeping", 70_100, "usual", 6_000),
 )  # fmt: skip
-PASSES = 4  # over the loops of ``AGAIN``
+PASSES = 8  # over the loops of ``AGAIN``
 JUDGE = (Source("crossed", 11, "usual", 3000), Source("training", 84_200, "usual", 1000))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)

@@ -33,6 +33,8 @@ NOTES = {
     "positioner_auc": "loops with a positioner (goal: at least 0.8)",
     "play_called": "valves with dead travel and no jump that are called sticky",
     "play_cleared": "of these, cleared (goal: at most 0.005)",
+    "stands_called": "valves that never move, of which PV shows nothing, that are called sticky",
+    "stands_cleared": "of these, cleared (goal: at most 0.005)",
     "worst_leak": "AUC of the attribute of the draw that tells most (goal: at most 0.55)",
 }
 
@@ -77,9 +79,10 @@ def summary(rows: Sequence[Row]) -> Figures:
     out["positioner_auc"] = figures([row for row in rows if row["positioner"] != "none"]).get("auc")
     errors = [one["calibration_error"] for one in by_family(rows).values() if one["calibration_error"] is not None]
     out["worst_calibration_error"] = max(errors) if errors else None
-    play = [row["word"] for row in rows if row["kind"] == "play"]
-    out["play_called"] = sum(w == "stiction" for w in play) / max(len(play), 1)
-    out["play_cleared"] = sum(w == "no_stiction" for w in play) / max(len(play), 1)
+    for kind in ("play", "stands"):
+        words = [row["word"] for row in rows if row["kind"] == kind]
+        out[f"{kind}_called"] = sum(w == "stiction" for w in words) / max(len(words), 1)
+        out[f"{kind}_cleared"] = sum(w == "no_stiction" for w in words) / max(len(words), 1)
     drawn = draw(6000, 1)
     found = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
     out["worst_leak"] = 0.5 + max(abs(value - 0.5) for value in found.values())

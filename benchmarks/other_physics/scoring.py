@@ -7,7 +7,7 @@
     calibration error   mean over ten bins of |share sticky - mean probability|, of all that were given one
     by chance           the same for probabilities that are right, from so few loops: no less can be seen
 
-Valves that have dead travel without a jump ("play") are counted apart: they are neither.
+Valves that have dead travel without a jump ("play") or never move ("stands") are counted apart: they are neither.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _of_word(word: str) -> float:
 
 def figures(rows: Sequence[Row], name: str = "p") -> dict[str, float | None]:
     """The figures of these rows, by the probability ``name``."""
-    of = [row for row in rows if row["kind"] != "play"]
+    of = [row for row in rows if row["kind"] in ("sticks", "sound")]
     sticks = np.array([row["kind"] == "sticks" for row in of])
     if sticks.sum() < FEW or (~sticks).sum() < FEW:
         return {}

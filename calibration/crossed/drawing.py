@@ -2,6 +2,7 @@
 
 A sound valve has the law, the air and the positioner that were drawn, and a hundredth of the friction.  Half of the
 loops stick; of these, valves of the laws ``stems.JUMPLESS`` have dead travel without a jump, and are counted apart.
+So is a share ``STANDS`` of all valves, that never move: OP does not leave their band, and PV answers loads alone.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ PROCESSES = ("flow", "pressure", "temperature", "level")
 Random = np.random.Generator
 WITHHELD = {"law": ("karnopp", "lugre"), "driver": ("master",), "process": ("pressure",)}
 """Families that nothing is learnt from: what the verdict is worth on them is what it is worth elsewhere."""
+STANDS = 0.04  # about the share of "dead_loop" in the engine's first law (``stickslip.calibration.drawing``)
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,7 @@ class Drawn:
     sticks : whether friction is as large as drawn;  S [% of OP], ratio = J / S
     travel : of OP over S, asked of what drives the loop
     loose : closed-loop time over the one of a usual tuning;  points : samples a period;  periods : logged
+    stands : whether the stem never moves, whatever else was drawn
     noise : over PV's swing;  other sizes over S, PV's swing or the period, as their names say; 0 where not there
     """
 
@@ -67,10 +70,13 @@ class Drawn:
     door: float
     sp_logged: bool
     tagged: bool
+    stands: bool
 
     @property
     def kind(self) -> str:
-        """The true kind: "sticks", "play" (dead travel without a jump) or "sound"."""
+        """The true kind: "stands" (its stem never moves), "sticks", "play" (dead travel without a jump) or "sound"."""
+        if self.stands:
+            return "stands"
         if not self.sticks:
             return "sound"
         return "play" if self.law in JUMPLESS else "sticks"
@@ -82,7 +88,7 @@ class Drawn:
 
     def attributes(self) -> dict[str, float | str]:
         """What was drawn, but for the truth, by name."""
-        return {name: value for name, value in asdict(self).items() if name not in ("sticks", "seed")}
+        return {name: value for name, value in asdict(self).items() if name not in ("sticks", "stands", "seed")}
 
 
 def _log(r: Random, low: float, high: float) -> float:
@@ -135,4 +141,5 @@ def _one(seed: int, i: int, again: int = 0) -> Drawn:
         minute=bool(r.random() < 0.5), rounded=sometimes(0.25, 0.005, 0.08),
         compressed=str(r.choice(("no", "no", "no", "no", "swinging_door", "exceptions"))), door=_log(r, 0.01, 0.08),
         sp_logged=bool(r.random() < 0.85), tagged=bool(r.random() < 0.4),
+        stands=bool(r.random() < STANDS),
     )  # fmt: skip

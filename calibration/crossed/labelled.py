@@ -32,6 +32,8 @@ def crossed(n: int, seed: int, first: int = 0) -> list[tuple[LoopRecord, Truth]]
 
 def group_of(d: Drawn) -> str:
     """The group of ``stickslip.calibration.drawing`` that a loop comes nearest to: what moves it, or that it sticks."""
+    if d.stands:
+        return "dead_loop"
     if d.kind == "play":
         return "deadband"
     if d.sticks:
@@ -46,10 +48,11 @@ def truth_of(one: Seen) -> Truth:
     d, op = one.drawn, one.record.op
     group = group_of(d)
     swing = extent(op)
+    S = d.S if d.kind in ("sticks", "play") else math.nan
     ratio = d.ratio if d.kind == "sticks" else 0.0
     return Truth(
-        cause="stiction" if d.kind == "sticks" else OTHERS[group], group=group, S=d.S if d.sticks else math.nan,
-        J=d.S * ratio if d.sticks else math.nan,
+        cause="stiction" if d.kind == "sticks" else OTHERS[group], group=group, S=S,
+        J=S * ratio,
         process="integrating" if d.process == "level" else "self_regulating", cycling=even(op),
-        travel=swing / d.S if d.sticks else math.nan, op_range=swing, period=period(op) * one.record.dt, defects=(),
+        travel=swing / S, op_range=swing, period=period(op) * one.record.dt, defects=(),
     )  # fmt: skip

@@ -52,6 +52,7 @@ class Numbers(NamedTuple):
     shape: int  # sine, square, triangle
     wander: float  # of its period
     base: float  # of the disturbance that is always there
+    push: float  # of the load in the first 20 scans, so that what can cycle does
     manual_from: float  # [s]
     manual_to: float
 
@@ -92,7 +93,7 @@ def run(r: Any, n: Numbers, every: int, out: Any) -> None:
                 moved_to = 2.0 * r.random() - 1.0
         load = n.base * coloured_2
         if k < 20 * n.scan:
-            load += 0.5 * max(n.S, n.base)  # a push, so that what can cycle does
+            load += n.push
         if n.driver == 1:
             sp = n.size * moved_to
         elif n.driver == 2:

@@ -3,6 +3,7 @@
     K_c = tau / (K (t_c + theta)),   T_i = min(tau, 4 (t_c + theta))       S. Skogestad, J. Process Control 13:291, 2003
 
 What drives the loop is scaled by a run of the same loop without friction, so that OP travels as far as was asked.
+A stem that never moves has a band without end, in that run too, where OP then has no limits.
 """
 
 from __future__ import annotations
@@ -77,18 +78,19 @@ def tuned(d: Drawn) -> Tuned:
     w = 2.0 * math.pi / natural
     answer = K / abs((1j * w * tau_2 + 1) * (1j * w * tau_1 + 1 if tau_1 > 0.0 else 1j * w))
     swing = 1.2 * d.S * answer
-    sticky = 1.0 if d.sticks else SOUND
+    S = d.S * (1.0 if d.sticks and not d.stands else SOUND)
     ratio = 0.0 if d.law in ("dahl", "backlash") else d.ratio
     span = rows * every * h
     start = (0.2 + 0.5 * (d.seed % 97) / 97.0) * span
     sign = 1.0 if d.gain > 0.0 else -1.0
+    band, reach = (math.inf, math.inf) if d.stands else (0.0, 45.0)
     numbers = Numbers(
         h=h, scan=scan, steps=rows * every, K=sign * K, tau_1=tau_1, tau_2=tau_2, theta=theta,
         bend=d.bend if not level else 0.3 * d.bend, K_p=sign * K_p, T_i=T_i, T_d=max(T_d, 2.0 * h * scan),
-        form=FORMS.index(d.form), zone=0.0, step_op=0.0, filter=smooth, low=-45.0, high=45.0,
-        law=LAWS.index("backlash"), S=0.0, J=0.0, air=air, mass=d.mass * air**2, positioner=0, sticking=0.0, noise=0.0,
+        form=FORMS.index(d.form), zone=0.0, step_op=0.0, filter=smooth, low=-reach, high=reach,
+        law=LAWS.index("backlash"), S=band, J=0.0, air=air, mass=d.mass * air**2, positioner=0, sticking=0.0, noise=0.0,
         driver=DRIVERS.index(d.driver), size=1.0, time=period, shape=d.shape, wander=d.wander, base=0.0,
-        manual_from=-1.0, manual_to=-1.0,
+        push=0.0, manual_from=-1.0, manual_to=-1.0,
     )  # fmt: skip
     size = 0.0
     if d.driver not in ("nothing", "tuning"):
@@ -101,7 +103,8 @@ def tuned(d: Drawn) -> Tuned:
     half = 0.5 * d.limited * d.travel * d.S
     return Tuned(
         numbers._replace(
-            size=size, base=d.base * d.S, law=LAWS.index(d.law), S=sticky * d.S, J=sticky * d.S * ratio,
+            size=size, base=d.base * d.S, push=0.5 * max(S, d.base * d.S),
+            law=LAWS.index("backlash" if d.stands else d.law), S=band if d.stands else S, J=S * ratio,
             positioner=POSITIONERS.index(d.positioner), sticking=d.hysteresis * swing,
             noise=min(d.noise * swing, 0.3 * d.S / K_p),
             zone=d.zone * swing, step_op=d.step_op * d.S,

@@ -42,11 +42,12 @@ FAR = 2.0  # distance from the loops learnt from, over that of 95 % of them, fro
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 SAMPLES_MIN = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
-# probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
-LEVEL = 0.99
+# probability on 2 % of such loops are called (400 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
+LEVEL = 0.992
 LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood does
-# not stand in for it: a load hides OP from PV in many loops whose valve works.
+# not stand in for it: a load hides OP from PV in many loops whose valve works.  Above it lie 24 of 25 simulated loops
+# whose valve passes nothing on, and 36 of 133 others (the first law, seeds 72100 and 72101).
 SILENT = 0.01
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."

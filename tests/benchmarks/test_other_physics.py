@@ -1,10 +1,15 @@
 """The loops that the verdict is judged by away from home: their valves, what the draw gives away, their figures."""
 
+import math
+
 import numpy as np
 import pytest
 from stickslip.calibration.crossed.drawing import draw
 from stickslip.calibration.crossed.history import seen
+from stickslip.calibration.crossed.labelled import truth_of
+from stickslip.calibration.crossed.loops import DRIVERS, run
 from stickslip.calibration.crossed.stems import GAIN, JUMPLESS, LAWS, moved
+from stickslip.calibration.crossed.tuning import tuned
 
 from benchmarks.other_physics.ceiling import gain
 from benchmarks.other_physics.judging import judged, runs
@@ -52,6 +57,20 @@ def test_nothing_that_is_drawn_tells_which_loops_stick():
     leaked = leaks([one.attributes() for one in drawn], np.array([one.sticks for one in drawn]))
     assert len(leaked) > 50
     assert {name: value for name, value in leaked.items() if abs(value - 0.5) > LEAK} == {}
+
+
+def test_a_valve_that_stands_leaves_pv_to_what_else_moves_it():
+    """In all drives; another gain of the controller moves OP, and not PV (analytic)."""
+    standing = [d for d in draw(600, 9) if d.stands]
+    assert {d.driver for d in standing} == set(DRIVERS)
+    for d in standing[:12]:
+        made = tuned(d)
+        first, second = (np.zeros((4, made.numbers.steps // made.every)) for _ in range(2))
+        for share, out in ((1.0, first), (0.5, second)):
+            run(np.random.default_rng(d.seed), made.numbers._replace(K_p=share * made.numbers.K_p), made.every, out)
+        assert np.array_equal(first[1], second[1]) and not np.array_equal(first[2], second[2]) and not first[3].any()
+        truth = truth_of(seen(d))
+        assert d.kind == "stands" and truth.cause == "dead_loop" and math.isnan(truth.S) and truth.op_range > 0.0
 
 
 def test_a_leak_is_found():

@@ -137,7 +137,7 @@ def test_of_simulated_loops_with_a_logged_stem_no_stem_is_said_to_stand_that_mov
 def test_a_frozen_tag_is_told_from_a_stuck_stem_by_a_pv_that_answers_op(stuck, low, high):
     """Simulated loops of seed 72103, the tag of the stem frozen at the median of OP; before, all asked were called.
 
-    Of 46 others, seeds 72100 and 72101, 4 lay above the limit, of 18 whose valve passes nothing on 17.
+    Of 133 others, seeds 72100 and 72101, 36 lie above the limit, of 25 whose valve passes nothing on 24.
     """
     groups = (
         ["dead_loop"] if stuck else ["healthy", "tight_tuning", "external_sine", "external_stochastic", "saturation"]
