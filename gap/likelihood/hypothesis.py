@@ -30,7 +30,7 @@ GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 ENDLESS = 2**62
-LATE = 200.0  # nats by which a filter lags behind another, from which on it is given up
+LATE, LATE_SHARE = 200.0, 0.01  # nats, and share of what another leaves, by which a filter is behind to be given up
 KEPT_BYTES = 2**24  # of slopes: each of some seventy hypotheses keeps its latest filter
 NEVER = np.zeros(0)
 
@@ -252,8 +252,8 @@ class Innovations:
     add to the mean at each stop (see ``extended``); ``shown`` what its mean showed at each row before the row set it
     right, and the ``path`` that it took.
 
-    Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where one likely
-    ``stem`` stood at each stop.  ``steps`` that the engine took, where they are known.
+    Of a bank: the filter ``near`` whose gains it has, ``mixed`` losses of its rows, and where one likely ``stem`` stood
+    at each stop.  ``steps`` that the engine took, where they are known.
     """
 
     hypothesis: Hypothesis
@@ -305,9 +305,8 @@ class Innovations:
         if self.hypothesis.frame.replays:
             loss = losses(self.e)
         else:
-            size = np.abs(self.e)
-            near = np.minimum(size, FAR)
-            loss = 0.5 * near**2 + FAR * (size - near)
+            near = np.minimum(np.abs(self.e), FAR)
+            loss = 0.5 * near**2 + FAR * (np.abs(self.e) - near)
         return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
 
     @cached_property
@@ -315,7 +314,8 @@ class Innovations:
         """Sum of losses up to each row at which another filter is too late to be likelier, NaN where no row counts."""
         f = self.hypothesis.frame
         lost = np.where(f.counted, self._unsure + np.isnan(self.S) @ f.sure, 0.0)
-        return np.where(f.counted, np.cumsum(lost) + LATE, np.nan)
+        late = LATE + LATE_SHARE * float(np.nansum(np.minimum(self.e**2, FAR * np.abs(self.e))))
+        return np.where(f.counted, np.cumsum(lost) + late, np.nan)
 
     @cached_property
     def weights(self) -> Values:
