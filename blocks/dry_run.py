@@ -184,7 +184,8 @@ class _Trial:
 
     def run(self) -> None:
         """Try all there is to try."""
-        blind = not self.block.kernels.feeds and self.n_in > 0
+        feeds = self.block.kernels.feeds
+        blind = set() if feeds is True else set(range(self.n_in)).difference(feeds or ())
         for d in self._memories():
             for start in range(self.block.kernels.n_events if self.name == "jump" else 1):
                 for t, x, u in self._situations():
@@ -192,13 +193,13 @@ class _Trial:
                     blank = self.name not in ("jump", "next_time")
                     out = np.full(self.n_out, math.nan) if blank else given
                     arrays = self._call(t, x.copy(), d.copy(), u, out, blank)
-                    if blind and self.name == "out" and arrays["u"].read:
-                        self._refuse(f"reads u[{min(arrays['u'].read)}], but feeds=False says that it does not: "
+                    if self.name == "out" and (seen := arrays["u"].read & blind):
+                        self._refuse(f"reads u[{min(seen)}], but feeds={feeds} says that it does not: "
                                      "an algebraic loop would be hidden")  # fmt: skip
                     if self.name == "zc" and self._looks_unasked(d, arrays["u"]):
                         self._refuse(f"looks at rates in mode {d[0]:g}, which is not among its rate_modes: add it")
         if self.name == "step":
-            self._sequence(blind)
+            self._sequence(bool(blind))
         if self.name in ("out", "der") and not self.block.kernels.timed:
             self._without_time()
 

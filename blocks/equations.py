@@ -4,7 +4,8 @@
 
 Every argument of ``der`` and ``out`` is the name of a state, an input, a parameter, or ``t``, the time [s]; an argument
 with a default is a parameter.  ``der`` returns one rate per state, ``out`` one value per output, as a number or as a
-tuple.  Without ``out`` the outputs are states.  If ``out`` takes an input, the outputs follow it at once.
+tuple.  Without ``out`` the outputs are states.  The outputs follow at once the inputs that ``out`` takes, and no
+others: an integral that tracks what a selector behind the block lets through makes no algebraic loop.
 
 The functions are compiled for the engine and may use numbers, ``math``, ``numpy`` and other such functions; what they
 reach outside, such as numbers, arrays and helpers, is taken as it is when a run begins.  A function that cannot be
@@ -25,7 +26,7 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.blocks.block import Block, Kernels
 from stickslip.blocks.kernel_source import arguments, called, copied, generated, names, where, with_defaults
-from stickslip.blocks.kernels import Function
+from stickslip.blocks.kernels import Function, fed_by
 from stickslip.blocks.ports import BlockError, Port, nearest
 from stickslip.blocks.role import Role
 
@@ -83,7 +84,7 @@ class Equations(Block):
         self.kernels = Kernels(
             der=None if der is None else generated(called(name, "der", der, places, values, rates), der),
             out=generated(puts, out),
-            feeds=out is not None and not set(arguments(name, "out", out)).isdisjoint(ins),
+            feeds=out is not None and fed_by(key in arguments(name, "out", out) for key in ins),
             timed=any(f is not None and "t" in arguments(name, what, f) for what, f in (("der", der), ("out", out))),
         )
         if not ins and not states:

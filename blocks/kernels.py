@@ -9,7 +9,7 @@ writes; or it is written with names, ``der(L, F, A, k)``, and returns its values
 """
 
 import dis
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import CodeType
@@ -30,16 +30,27 @@ def _reads(code: CodeType, argument: str) -> bool:
     return any(argument in (name if isinstance(name, tuple) else (name,)) for name in used)
 
 
+def fed_by(follows: Iterable[bool]) -> bool | tuple[int, ...]:
+    """Return ``feeds`` of a block, for each of whose inputs is said whether its outputs follow it at once.
+
+    >>> fed_by([False, False]), fed_by([False, True]), fed_by([True, True])
+    (False, (1,), True)
+    """
+    each = list(follows)
+    return any(each) if all(each) or not any(each) else tuple(i for i, yes in enumerate(each) if yes)
+
+
 @dataclass(frozen=True)
 class Kernels:
     """The functions of a block and what the engine must know about them.
 
-    ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
-    same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
-    want the input rates behind the inputs in ``u``; ``rate_modes``: the modes, whole numbers, in which ``zc`` looks at
-    them (none named: in all).  ``jumps``: whether outputs jump when an event fires, as a stem without mass does when
-    it slips.  ``linear``: whether ``out`` and ``der`` are affine in states, inputs and time, in each mode, while no
-    event function is positive and between the instants of ``next_time``; such blocks run faster.
+    ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the same
+    instant; of a continuous block also the numbers of those inputs, where others only move its states.  ``timed``:
+    whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump`` want the input rates behind
+    the inputs in ``u``; ``rate_modes``: the modes, whole numbers, in which ``zc`` looks at them (none named: in all).
+    ``jumps``: whether outputs jump when an event fires, as a stem without mass does when it slips.  ``linear``: whether
+    ``out`` and ``der`` are affine in states, inputs and time, in each mode, while no event function is positive and
+    between the instants of ``next_time``; such blocks run faster.
     """
 
     out: Function | None = None
@@ -49,7 +60,7 @@ class Kernels:
     step: Function | None = None
     next_time: Function | None = None
     n_events: int = 0
-    feeds: bool = True
+    feeds: bool | tuple[int, ...] = True
     rates: bool = False
     rate_modes: tuple[float, ...] = ()
     timed: bool = False

@@ -21,7 +21,7 @@ from types import FunctionType
 from typing import Any
 
 from stickslip.blocks.kernel_source import SHAPE, arguments, called, copied, generated_for, where
-from stickslip.blocks.kernels import Kernel, Kernels
+from stickslip.blocks.kernels import Kernel, Kernels, fed_by
 
 _known: dict[tuple[Kernels, "Names"], Kernels] = {}
 KINDS = ("out", "der", "zc", "jump", "step", "next_time")
@@ -76,7 +76,7 @@ def _in_arrays(kernels: Kernels, block: str, names: Names, start: Mapping[str, f
         made["out"] = generated_for(kernels.der, copied(places, names.outputs), "_out")  # type: ignore[arg-type]
         made["feeds"] = False
     if "out" in written:
-        made["feeds"] = not set(names.inputs).isdisjoint(arguments(block, "out", written["out"]))
+        made["feeds"] = fed_by(key in arguments(block, "out", written["out"]) for key in names.inputs)
     reads = [arguments(block, kind, written[kind]) for kind in ("out", "der") if kind in written]
     return replace(kernels, **made, timed=kernels.timed or any("t" in wanted for wanted in reads))
 

@@ -12,8 +12,9 @@ calls them in Python, and ``run.in_python`` says how often, for how long and why
 
 Functions that read ``t`` are tried before a run, and bound its steps (see equations).
 
-An output counts as following the inputs at once if ``h`` mentions them.  The states start at 0 unless
-``start={"name.state": ...}`` says otherwise.  See also: equations (the same without python-control).
+An output counts as following the inputs at once if ``h`` mentions them, and in ``ct.interconnect`` those that reach
+it. The states start at 0 unless ``start={"name.state": ...}`` says otherwise. See also: equations (the same without
+python-control).
 """
 
 import math
@@ -26,7 +27,7 @@ import control as ct
 import numpy as np
 from stickslip.blocks.block import Block, Kernel, Kernels
 from stickslip.blocks.kernel_source import generated
-from stickslip.blocks.kernels import Function
+from stickslip.blocks.kernels import Function, fed_by
 from stickslip.blocks.parameters_by_number import Compilable, NotReadable, compilable, is_number, mentions
 from stickslip.blocks.ports import BlockError, Port, require
 from stickslip.blocks.role import Role
@@ -57,13 +58,13 @@ class NonlinearSystem(Block):
         self.ports_in = tuple(Port(label) for label in system.input_labels)
         self.ports_out = tuple(Port(label) for label in system.output_labels)
         params = {key: float(value) for key, value in system.params.items() if is_number(value)}
-        feeds = _feeds(system)
+        follows = _follows(system)
         try:
             readable = compilable(system, params)
             params = readable.params
-            der, out, step = _compiled_kernels(system, readable, feeds)
+            der, out, step = _compiled_kernels(system, readable, follows)
         except NotReadable as reason:
-            der, out, step = _python_kernels(system, tuple(params), str(reason), feeds)
+            der, out, step = _python_kernels(system, tuple(params), str(reason), follows)
         if not self.ports_in and not n:
             self.role = Role.SOURCE
         names = system.state_labels[:n]
@@ -71,10 +72,10 @@ class NonlinearSystem(Block):
         states = dict.fromkeys(names, 0.0)
         if dt:
             self.period_param = "dt"
-            self.kernels = Kernels(step=step, feeds=feeds)
+            self.kernels = Kernels(step=step, feeds=any(follows))
             super().__init__(name=name, params=params, memory=states, **_labels(system))
         else:
-            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds, timed=_timed(system))
+            self.kernels = Kernels(der=der if n else None, out=out, feeds=fed_by(follows), timed=_timed(system))
             super().__init__(name=name, params=params, states=states, **_labels(system))
 
     @staticmethod
@@ -110,16 +111,18 @@ def _labels(system: ct.InputOutputSystem) -> dict[str, Any]:
 # --- does the output follow the inputs at once? ----------------------------------------------------------------
 
 
-def _feeds(system: ct.InputOutputSystem) -> bool:
+def _follows(system: ct.InputOutputSystem) -> list[bool]:
+    """Return for each input whether an output follows it at once."""
+    n = system.ninputs or 0
     if isinstance(system, Block):
-        return system.kernels.feeds and bool(system.ports_in)
+        feeds = system.kernels.feeds
+        return [feeds if isinstance(feeds, bool) else j in feeds for j in range(n)]
     if isinstance(system, ct.StateSpace):
-        return bool(np.any(system.D))
+        return [bool(column.any()) for column in system.D.T]
     if isinstance(system, ct.InterconnectedSystem):
-        return _passes_through(system)
-    if not system.ninputs or system.outfcn is None:
-        return False
-    return not isinstance(system.outfcn, FunctionType) or mentions(system.outfcn, 2)
+        return _pass_through(system)
+    function = system.outfcn
+    return [function is not None and (not isinstance(function, FunctionType) or mentions(function, 2))] * n
 
 
 def _timed(system: ct.NonlinearIOSystem) -> bool:
@@ -128,34 +131,32 @@ def _timed(system: ct.NonlinearIOSystem) -> bool:
     return any(f is not None and (not isinstance(f, FunctionType) or mentions(f, 0)) for f in functions)
 
 
-def _passes_through(system: ct.InterconnectedSystem) -> bool:
-    """Return whether a way leads from inputs to outputs through subsystems that all pass on at once."""
-    passing = [_feeds(part) for part in system.syslist]
+def _pass_through(system: ct.InterconnectedSystem) -> list[bool]:
+    """Return for each input whether a way leads to an output through subsystems that all pass on at once."""
     outputs = [k for k, part in enumerate(system.syslist) for _ in range(part.noutputs)]
     inputs = [k for k, part in enumerate(system.syslist) for _ in range(part.ninputs)]
-    met = {inputs[row] for row in np.flatnonzero(np.any(system.input_map, axis=1))}
-    while True:
-        reached = {k for k in met if passing[k]}
-        columns = [j for j, k in enumerate(outputs) if k in reached]
-        more = {inputs[row] for row in np.flatnonzero(np.any(system.connect_map[:, columns], axis=1))} - met
-        if not more:
-            break
-        met |= more
-    direct = system.output_map[:, len(outputs) :] @ system.input_map
-    return bool(np.any(direct)) or bool(np.any(system.output_map[:, columns]))
+    passing = np.array([follows for part in system.syslist for follows in _follows(part)], dtype=bool)
+    within = np.equal.outer(outputs, inputs) & passing  # [output, input] of one subsystem
+    step = (np.asarray(system.connect_map) != 0.0) @ within  # [input, input]: one leads to the other at once
+    reached = np.asarray(system.input_map) != 0.0
+    for _ in inputs:
+        reached = reached | (step.astype(int) @ reached > 0)
+    shown = np.vstack([within.astype(int) @ reached > 0, reached])  # an output may be a subsystem's input
+    return [bool(one) for one in ((np.asarray(system.output_map) != 0.0).astype(int) @ shown > 0).any(axis=0)]
 
 
 # --- compiled -------------------------------------------------------------------------------------------------
 
 
 def _compiled_kernels(
-    system: ct.NonlinearIOSystem, made: Compilable, feeds: bool
+    system: ct.NonlinearIOSystem, made: Compilable, follows: list[bool]
 ) -> tuple[Kernel | None, Kernel, Kernel]:
     n, m, q = system.nstates or 0, system.ninputs, system.noutputs
     params = f"({''.join(f'p[{i}], ' for i in range(len(made.params)))})" if made.params else "(0.0,)"
     values = tuple(made.params.values()) or (0.0,)
     take_u = [f"U = np.empty({m})", *(f"U[{j}] = u[{j}]" for j in range(m))]
-    take_seen = take_u if feeds else [f"U = np.zeros({m})"]  # by the outputs
+    seen = (f"U[{j}] = u[{j}]" for j in range(m) if follows[j])
+    take_seen = [f"U = np.zeros({m})", *seen]  # by the outputs
 
     def take_x(array: str) -> list[str]:
         return [f"X = np.empty({n})", *(f"X[{i}] = {array}[{i}]" for i in range(n))]
@@ -201,7 +202,7 @@ def _shape(function: Function, n: int, m: int, params: tuple[float, ...]) -> tup
 
 
 def _python_kernels(
-    system: ct.NonlinearIOSystem, names: tuple[str, ...], reason: str, feeds: bool
+    system: ct.NonlinearIOSystem, names: tuple[str, ...], reason: str, follows: list[bool]
 ) -> tuple[Kernel, Kernel, Kernel]:
     n, m, q = system.nstates or 0, system.ninputs, system.noutputs
     lock = threading.Lock()  # a system keeps the parameters of its last call
@@ -232,7 +233,7 @@ def _python_kernels(
             out[i] = rate
 
     def outputs(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-        for i, value in enumerate(ask(OUTPUT, q, t, x, u if feeds else [0.0] * m, p)):
+        for i, value in enumerate(ask(OUTPUT, q, t, x, [u[j] if yes else 0.0 for j, yes in enumerate(follows)], p)):
             out[i] = value
 
     def step(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.kernels import fed_by
 from stickslip.blocks.ports import BlockError, Labels, Port, require
 from stickslip.blocks.role import Role
 from stickslip.blocks.rules import finite
@@ -39,6 +40,15 @@ def _row(i: int, at: int, length: int, p: Any, v: Any) -> float:
     return total
 
 
+def _follow(i: int, at: int, length: int, p: Any, v: Any) -> float:
+    """Return the same, without what is multiplied by zero: it may not be known yet."""
+    total = 0.0
+    for j in range(length):
+        if p[at + i * length + j] != 0.0:
+            total += p[at + i * length + j] * v[j]
+    return total
+
+
 def _strict_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n, m, q = int(p[0]), int(p[1]), int(p[2])
     for i in range(q):
@@ -48,7 +58,7 @@ def _strict_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n, m, q = int(p[0]), int(p[1]), int(p[2])
     for i in range(q):
-        y[i] = _row(i, 4 + n * (n + m), n, p, x) + _row(i, 4 + n * (n + m + q), m, p, u)
+        y[i] = _row(i, 4 + n * (n + m), n, p, x) + _follow(i, 4 + n * (n + m + q), m, p, u)
 
 
 def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
@@ -109,14 +119,14 @@ class StateSpace(Block):
             rule = f"the system has {n} states"
             require(len(given) == n, name, what, list(given), rule, "give one per state")
         self.ports_in, self.ports_out = _ports("u", m), _ports("y", q)
-        feeds = bool(D.any())
+        feeds = fed_by(bool(column.any()) for column in D.T)
         names = states or tuple(f"x_{i + 1}" for i in range(n))
         params = {"n": n, "m": m, "q": q, "dt": dt, **_entries("A", A), **_entries("B", B), **_entries("C", C)}
         params |= _entries("D", D) if feeds else {}
         values = dict(zip(names, begin.tolist(), strict=True))
         if dt:
             self.period_param = "dt"
-            self.kernels = Kernels(step=_step if feeds else _strict_step, feeds=feeds)
+            self.kernels = Kernels(step=_step if feeds else _strict_step, feeds=bool(feeds))
             held: dict[str, Any] = {"memory": values | {f"next {key}": 0.0 for key in names}, "start_output": C @ begin}
         else:
             self.kernels = Kernels(out=_out if feeds else _strict_out, der=_der, feeds=feeds, linear=True)

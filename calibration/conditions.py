@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.calibration.crossings import extent, period
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import spread_about
 
 LEVELS = 0.25  # a signal with fewer different values per sample than this is rounded
 STRAIGHT = 0.3  # share of points on a straight line with their neighbours from which a signal is compressed
@@ -112,7 +113,7 @@ def _noise(values: Values) -> float:
     if len(values) < 8:
         return 0.0
     third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
+    return spread_about(third) / math.sqrt(20.0)
 
 
 def _steps(values: Values) -> float:

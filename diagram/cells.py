@@ -48,14 +48,15 @@ def watched(flat: Sequence[FlatBlock], groups: Sequence[Sequence[int]]) -> set[i
     found: set[int] = set()
     for group in groups:
         inside = set(group)
-        sees = {f for f in group if flat[f].rates}
-        for f in reversed(group):  # against the flow, so one pass is enough
-            if f in sees:
-                for origin in (driver[w] for w in flat[f].wires):
-                    if origin not in inside:
-                        found.add(origin)
-                    elif flat[origin].kind == CONTINUOUS and flat[origin].feeds:
-                        sees.add(origin)
+        waiting = [f for f in group if flat[f].rates]
+        sees = set(waiting)
+        while waiting:
+            for origin in {driver[w] for w in flat[waiting.pop()].wires} - sees:
+                if origin not in inside:
+                    found.add(origin)
+                elif flat[origin].kind == CONTINUOUS and flat[origin].feeds:
+                    sees.add(origin)
+                    waiting.append(origin)
     return found
 
 

@@ -25,9 +25,9 @@ from stickslip.diagram.wiring import (
     check_readers,
     check_units,
     drivers,
-    feeds_now,
     flow_order,
-    seen_feeds,
+    followed,
+    seen_followed,
     spans,
 )
 
@@ -142,7 +142,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
         """
         seen = [block.seen() for block in blocks]
-        same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
+        same_flow = all(followed(new) == followed(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
             other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
             other._past = self._past
@@ -215,7 +215,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         diagram.  There is none where continuous twins act at once in a circle.
         """
         try:
-            order = flow_order(self.syslist, self.driven, seen_feeds)
+            order = flow_order(self.syslist, self.driven, seen_followed)
         except WiringError:
             return []
         says = [list(block.output_labels) for block in self.blocks]

@@ -136,24 +136,27 @@ def spans(blocks: Iterable[Block]) -> dict[str, tuple[float, float]]:
     }
 
 
-def feeds_now(block: Block) -> bool:
-    """Return whether a block's outputs depend on its inputs at the same instant."""
-    return block.dead_time == 0.0 and block.kernels.feeds and bool(block.ports_in)
+def followed(block: Block) -> list[str]:
+    """Return the signals on which a block's outputs depend at the same instant."""
+    feeds, labels = block.kernels.feeds, block.input_labels
+    if block.dead_time:
+        return []
+    return (list(labels) if feeds else []) if isinstance(feeds, bool) else [labels[i] for i in feeds]
 
 
-def seen_feeds(block: Block) -> bool:
+def seen_followed(block: Block) -> list[str]:
     """Return the same for what python-control sees: there an event shows at once in what remembers it."""
-    return feeds_now(block) or block.remembers
+    return list(block.input_labels) if block.remembers else followed(block)
 
 
 def flow_order(
-    blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], feeds: Callable[[Block], bool] = feeds_now
+    blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], follows: Callable[[Block], list[str]] = followed
 ) -> list[int]:
     """Return the blocks in signal-flow order; refuse algebraic loops, naming their signals."""
     waits: dict[int, set[int]] = {}
     readers: dict[int, list[int]] = {}
     for b, block in enumerate(blocks):
-        waits[b] = {driven[s][0] for s in block.input_labels if s in driven} if feeds(block) else set()
+        waits[b] = {driven[s][0] for s in follows(block) if s in driven}
         for origin in waits[b]:
             readers.setdefault(origin, []).append(b)
     order: list[int] = []
@@ -173,7 +176,7 @@ def flow_order(
         raise WiringError(_describe_loop(blocks, driven, {b: waits[b] - done for b in waits if b not in done}))
     # A sampled block whose output does not follow its input publishes first, but takes its sample last of all at
     # an instant, when everything it may read has been brought up to date.
-    return sorted(order, key=lambda b: blocks[b].sampled and not feeds_now(blocks[b]))
+    return sorted(order, key=lambda b: blocks[b].sampled and not followed(blocks[b]))
 
 
 def _describe_loop(

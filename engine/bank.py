@@ -32,8 +32,8 @@ def banked(  # type: ignore[no-untyped-def]
     """Follow a bank of particles; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
 
     ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter that knows it
-    (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (m,) of the log's rounding; ``far``
-    standard deviations beyond which a loss grows in proportion; ``bar`` and ``sure`` as ``extended`` has them;
+    (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (rows, m) of the log's rounding;
+    ``far`` standard deviations beyond which a loss grows in proportion; ``bar`` and ``sure`` as ``extended`` has them;
     ``drawn`` (k, particles, q) standard normal numbers, ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform
     ones.
 
@@ -110,7 +110,7 @@ def banked(  # type: ignore[no-untyped-def]
                     continue
                 off[j, i] = values[row, i] - y[i]
                 loss[j] += huber(off[j, i] / math.sqrt(S[row, i]), far)
-                by = (dither[row, j, i] - 0.5) * steps[i]
+                by = (dither[row, j, i] - 0.5) * steps[row, i]
                 for p in range(m):
                     y[p] += gains[row, n + p, i] * off[j, i]
                 for p in range(n + q):

@@ -120,10 +120,11 @@ def extended(  # type: ignore[no-untyped-def]
     read, ``modes`` (any,) of modes and counts, ``shown`` (m,) of logged signals,
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
-    of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
-    of rounding; ``probed`` which signals are asked whether they bend; ``joined`` whether every row has all gains, not
-    only those near a kink; ``most`` stops that may have slopes of their own; ``bar`` (rows,) the sum of losses at which
-    it is given up, NaN where a row does not count, (0,) for never, with ``sure`` (m,) and ``far`` of ``loss_of``.
+    of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` and ``r`` (rows, m), the
+    variance of rounding; ``probed`` which signals are asked whether they bend; ``joined`` whether every row has all
+    gains, not only those near a kink; ``most`` stops that may have slopes of their own; ``bar`` (rows,) the sum of
+    losses at which it is given up, NaN where a row does not count, (0,) for never, with ``sure`` (m,) and ``far`` of
+    ``loss_of``.
     ``z`` (n,), ``spread`` (n, columns): the state before the first stop, and a factor of its variance.
 
     Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
@@ -241,8 +242,8 @@ def extended(  # type: ignore[no-untyped-def]
             write(behind, z)
             for i in range(m):
                 before = values[row - 1, i] if row > 0 else math.nan
-                took = taken_in(i, values[row, i], before, r[i], width, E, F, Y, z, back, y, gains[row], e[row],
-                                S[row])  # fmt: skip
+                took = taken_in(i, values[row, i], before, r[row, i], width, E, F, Y, z, back, y, gains[row],
+                                e[row], S[row])  # fmt: skip
                 if took and kinks[row]:
                     status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n],
                                      back[n : n + q])  # fmt: skip
@@ -334,7 +335,7 @@ def otherwise(  # type: ignore[no-untyped-def]
                 if off == off:  # where a row was run again, it missed other than its slopes foretell: so would this one
                     y[i] += values[row, i] - known[i] - off
                 before = values[row - 1, i] if row > 0 else math.nan
-                taken_in(i, values[row, i], before, r[i], width, E, nowhere, Y, moved, back, y, other_gains[row],
+                taken_in(i, values[row, i], before, r[row, i], width, E, nowhere, Y, moved, back, y, other_gains[row],
                          e[row], S[row])  # fmt: skip
                 if off == off:
                     for p in range(n):

@@ -42,7 +42,7 @@ class FlatBlock:
     rate_modes: tuple[float, ...] = ()  # in which event functions look at rates; (): in all
     jumps: bool = False
     shows_modes: bool = False  # whether out reads modes or memories
-    feeds: bool = True
+    feeds: bool | tuple[int, ...] = True
     timed: bool = False  # whether out or der reads the time
     linear: bool = False  # whether out and der are affine in states, inputs and time in each mode, between instants
     logged: bool = False

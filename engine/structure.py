@@ -101,7 +101,7 @@ def _follows(rows: Sequence[FlatBlock], readers: Sequence[list[int]], number: in
 
 def _passes_on(block: FlatBlock) -> bool:
     """Return whether the outputs follow the inputs at the same instant."""
-    return block.kind == at.CONTINUOUS and block.feeds
+    return block.kind == at.CONTINUOUS and block.feeds is not False
 
 
 def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...]:

@@ -130,7 +130,7 @@ class _Table:
             raise KernelError(f"block '{block.name}': {error}") from error
         row[at.NU], row[at.NY], row[at.NX] = len(block.wires), len(block.y0), len(block.x0)
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
-        row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged
+        row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds is True, block.logged
         row[at.STILL] = self.shape.still[number]
         row[at.RATE_MODES] = self.keep([len(block.rate_modes), *map(int, block.rate_modes)])
         wires = self.wires(block)
@@ -216,7 +216,7 @@ class _Table:
                 calls += 1
             behind.update(dict.fromkeys(range(block.first_signal, block.first_signal + len(block.y0)), (place, calls)))
         for block, row in zip(self.blocks, self.rows, strict=True):
-            if not block.feeds and block.wires:  # what it reads may come behind it in the flow
+            if block.feeds is not True and block.wires:  # what it reads may come behind it in the flow
                 row[at.SWEPT], row[at.SWEPT_CALLS] = max(behind[w] for w in block.wires)
 
     def write_facts(self) -> None:

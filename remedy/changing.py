@@ -22,6 +22,7 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import Z90
 from stickslip.remedy.change import COUNTS, Change, Changes
 from stickslip.remedy.left import free_of_line
 from stickslip.remedy.loop_fit import LoopFit
@@ -37,7 +38,6 @@ ALIKE = 18.0  # nats by which a part may be behind the best one, to be named bes
 BLOCKS = 12  # of the records of a time
 MISSED = 0.08  # of the way of the answer: 1 to 8 % were missed of loops whose load stood still
 BEYOND = 99.0  # the logarithm of a ratio to nothing
-Z90 = 1.645
 
 
 def changes(earlier: LoopFit, later: LoopFit) -> Changes:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import Z90
 
 __all__ = ["Controller", "controller_of"]
 
@@ -66,9 +67,9 @@ class Controller:
     def spread(self, key: str) -> tuple[float, float]:
         """The 90 % interval of K_p or T_i, whose upper end is infinite for a law without an integral."""
         if key == "K_p":
-            return self.K_p - 1.645 * self.K_p_sd, self.K_p + 1.645 * self.K_p_sd
+            return self.K_p - Z90 * self.K_p_sd, self.K_p + Z90 * self.K_p_sd
         rate = abs(self.K_p) / self.T_i
-        most, least = rate + 1.645 * self.rate_sd, max(rate - 1.645 * self.rate_sd, 1e-9 * rate)
+        most, least = rate + Z90 * self.rate_sd, max(rate - Z90 * self.rate_sd, 1e-9 * rate)
         low, high = (abs(self.K_p) / one if one > 0.0 else math.inf for one in (most, least))
         return low, high
 

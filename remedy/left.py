@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from stickslip.logs.arrays import Values
 from stickslip.logs.compiled import njit
+from stickslip.logs.normal import Z90
 
 __all__ = [
     "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
@@ -105,7 +106,7 @@ def nugget(v: Values) -> Values:
     grown = (four.mean() - two.mean()) / max(two.mean() - one.mean(), 1e-300)
     found = [0.5 * (one - (two - one) / (rise - 1.0)) for rise in (2.0, min(max(grown, 2.0), 4.0), 4.0)]
     unsure = [float(np.std(each, ddof=1)) / math.sqrt(NUGGETS) for each in found]
-    return np.asarray(np.mean(found, axis=1) + np.array([-1.645, 0.0, 1.645]) * unsure)
+    return np.asarray(np.mean(found, axis=1) + np.array([-Z90, 0.0, Z90]) * unsure)
 
 
 def wandering(v: Values, roots: int) -> Values:

@@ -14,12 +14,12 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import spread
 from stickslip.remedy.process import Day, Loop
 
 __all__ = ["banded"]
 
 FEWEST = 4  # slips
-NORMAL = 1.4826  # standard deviations in a median deviation
 
 
 def banded(days: Sequence[Day], one: Loop, shown: Sequence[Values], least: float, most: float) -> Loop:
@@ -39,5 +39,5 @@ def banded(days: Sequence[Day], one: Loop, shown: Sequence[Values], least: float
     if f_s <= 0.0:
         return one
     f_d = min(max(f_d, 0.0), f_s)
-    spread = NORMAL * float(np.median(np.abs(np.concatenate([high - f_s, low - f_d]))))
-    return replace(one, S=f_s + f_d, J=f_s - f_d, r=min(max(spread / f_s, least), most))
+    off = spread(np.concatenate([high - f_s, low - f_d]))
+    return replace(one, S=f_s + f_d, J=f_s - f_d, r=min(max(off / f_s, least), most))

@@ -12,9 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip.detect.published import wilson
+
 from benchmarks.gap.models import model
 from benchmarks.gap.runs import VISIBLE, Run, alike, singles
-from benchmarks.gap.scoring import CONFIDENT, wilson
+from benchmarks.gap.scoring import CONFIDENT
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import SEVERITIES
 from benchmarks.resumed import resumed
@@ -67,7 +69,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
             unknown = sum(row["said"] == ["unknown"] for row in here)
             wrong = [row for row in here if row["said"] and row["said"] != ["unknown"]]
             sure = sum(row["probability"] > CONFIDENT for row in wrong)
-            low, high = wilson(unknown, len(here))
+            low, high = wilson(unknown, len(here), z=1.96)
             none = len(here) - unknown - len(wrong)
             lines.append(
                 f"| {severity} | {unknown} | {none} | {len(wrong)} | {sure} | {len(here)} | {low:.2f} to {high:.2f} |"

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.detect.published import wilson
 
 from benchmarks.gap.oracle import relative, right
 from benchmarks.gap.plant_rows import plant_figures
 from benchmarks.gap.runs import VISIBLE
-from benchmarks.gap.scoring import scatter, share, wilson
+from benchmarks.gap.scoring import scatter, share
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.visible import visible
 from benchmarks.report import Figures
@@ -86,7 +87,7 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
 
     def counted(name: str, hits: int, of: int) -> None:
         out[name] = hits / of if of else None
-        low, high = wilson(hits, of)
+        low, high = wilson(hits, of, z=1.96) if of else (0.0, 1.0)
         counts[name] = f"{hits} of {of}, {low:.3f} to {high:.3f}" if of else "none"
 
     def at(setting: str, *severities: str, mv: bool = False) -> list[dict[str, Any]]:

@@ -61,20 +61,6 @@ def _error(name: str, truth: Mapping[str, float], report: Mapping[str, Any]) -> 
     return max(errors, default=None)
 
 
-def wilson(hits: int, of: int, z: float = 1.96) -> tuple[float, float]:
-    """Return the interval of 95 % of a share (Wilson 1927).
-
-    >>> [round(end, 3) for end in wilson(45, 50)]
-    [0.786, 0.957]
-    """
-    if of == 0:
-        return math.nan, math.nan
-    p = hits / of
-    middle = (p + z * z / (2 * of)) / (1 + z * z / of)
-    half = z * math.sqrt(p * (1 - p) / of + z * z / (4 * of * of)) / (1 + z * z / of)
-    return middle - half, middle + half
-
-
 def scatter(p: float, n: int) -> float:
     """Return the mean of |k/n - p| for k of n right, each with probability p (De Moivre 1730).
 

@@ -21,6 +21,7 @@ from stickslip.detect.plantwide.slips import SIDE_SAMPLES, Jumps, Slips, jumps_o
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.process_kind import kind_of_tag
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import spread_about
 
 EXPLAINED, MOVED = 0.8, 0.15
 MOST = 0.33
@@ -104,7 +105,7 @@ def _answers(op: Values, y: Values, jumps: Jumps, S: float) -> bool:
         return False
     u, v = np.concatenate(moved), np.concatenate(followed)
     steps = np.diff(y)
-    noise = 0.5 * (1.4826 * float(np.median(np.abs(steps - np.median(steps))))) ** 2
+    noise = 0.5 * spread_about(steps) ** 2
     slope = float(u @ v) / max(float(u @ u), 1e-300)
     left = max(float(v @ v) - noise * len(v), 1e-300)
     return slope * S > MOVED * float(np.median(np.abs(size))) and slope * float(u @ v) > EXPLAINED * left

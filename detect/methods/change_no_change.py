@@ -32,6 +32,7 @@ from stickslip.detect.stem.stick import turn_time
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
+from stickslip.logs.normal import Z90
 
 CARD = Card(
     name="change_no_change", title="Change and no change",
@@ -152,7 +153,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "eps": found.eps, "mv": float(name == "MV"),
     }  # fmt: skip
     if m > 1:
-        half = 1.645 * float(np.std(travel, ddof=1)) / np.sqrt(m)
+        half = Z90 * float(np.std(travel, ddof=1)) / np.sqrt(m)
         mean = float(np.mean(travel))
         for key, value in (("S_low", mean - half), ("S_high", mean + half)):
             evidence[key] = loop.op_percent(value) or value

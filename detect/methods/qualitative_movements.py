@@ -41,6 +41,7 @@ from stickslip.detect.stem.linear_twins import linear_twins
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Indices, Values
+from stickslip.logs.normal import OF_MEDIAN, Z90
 
 CARD = Card(
     name="qualitative_movements", title="Qualitative movements", source="Yamashita 2006, Control Eng. Practice 14:503",
@@ -204,7 +205,7 @@ def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
         "chance": chance,
     }  # fmt: skip
     if len(found.S) > 3:
-        half = 1.645 * 1.2533 * float(np.std(found.S, ddof=1)) / math.sqrt(len(found.S))  # of a median of normal values
+        half = Z90 * OF_MEDIAN * float(np.std(found.S, ddof=1)) / math.sqrt(len(found.S))
         evidence["S_low"] = loop.op_percent(S - half) or S - half
         evidence["S_high"] = loop.op_percent(S + half) or S + half
     return Verdict(CARD.name, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)

@@ -26,6 +26,7 @@ from stickslip.detect.prepare.prepared import CUT, Prepared
 from stickslip.detect.verdict import FigureBase, Verdict, Word
 from stickslip.logs import LoopRecord
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import Z90
 
 CARD = Card(
     name="second_difference_kurtosis", title="Kurtosis of the second difference", source="Yamashita 2006, ESCAPE 16",
@@ -101,7 +102,7 @@ def _of_sums(rows: Values) -> float:
 def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
     K, m = _of_sums(pool.rows), len(pool.rows)
     left_out = np.array([_of_sums(np.delete(pool.rows, k, axis=0)) for k in range(m)])
-    half = 1.645 * math.sqrt((m - 1) / m * float(np.sum((left_out - np.mean(left_out)) ** 2)))
+    half = Z90 * math.sqrt((m - 1) / m * float(np.sum((left_out - np.mean(left_out)) ** 2)))
     share = float(np.average(pool.rows[:, 5], weights=pool.rows[:, 0]))
     word, why = _word(K, half, share, p)
     reason = f"K = {K:.2f}, 90 % interval {K - half:.2f} to {K + half:.2f}, {min(share, 1.0):.0%} noise: {why}."

@@ -28,6 +28,7 @@ import numpy as np
 from stickslip.detect.plantwide.answers import without_line
 from stickslip.detect.stem.stick import stick
 from stickslip.logs.arrays import Indices, Values
+from stickslip.logs.normal import half_of_median, spread
 
 SIDE_SAMPLES = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
@@ -89,7 +90,7 @@ def jumps_of(y: Values) -> Jumps:
     before, after = slope[k - SIDE_SAMPLES], slope[k + 2]
     r = d[k] + d[k + 1] - before - after
     near = np.maximum(np.maximum(np.abs(before), np.abs(after)), np.abs(d[k + 2]))
-    noise = 1.4826 * float(np.median(np.abs(r)))
+    noise = spread(r)
     high = np.flatnonzero((np.abs(r) > max(SIGMAS * noise, SHARE * float(np.ptp(y)))) & (np.abs(r) > STEEP * near))
     if not len(high):
         return Jumps(np.empty(0, dtype=np.intp), np.empty(0))
@@ -198,8 +199,7 @@ def _scatter(wide: float, middle: float) -> float:
 
 def _middle(each: Values) -> tuple[float, float]:
     """Return the median of sizes (m,), above 0, and half of its 90 % interval, for normal scatter."""
-    spread = float(np.percentile(each, 75) - np.percentile(each, 25)) / 1.349
-    return max(float(np.median(each)), 1e-9), 1.645 * 1.2533 * spread / float(np.sqrt(len(each)))
+    return max(float(np.median(each)), 1e-9), half_of_median(each)
 
 
 def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps]) -> dict[str, Slips]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from stickslip.detect.stem.stem_noise import rounding
 from stickslip.logs.arrays import Indices, Values
+from stickslip.logs.normal import half_of_median
 
 LATEST = 3  # samples that the stem may be late, at most
 SLIP_SAMPLES = 4  # samples that a slip may last
@@ -143,9 +144,7 @@ def _middle(each: Values, step: float) -> tuple[float, float, float]:
     """Median with its 90 % interval, for normal scatter, widened by what one sample of OP leaves open."""
     if not len(each):
         return math.nan, math.nan, math.nan
-    m, middle = len(each), float(np.median(each))
-    spread = float(np.percentile(each, 75) - np.percentile(each, 25)) / 1.349
-    half = 1.645 * 1.2533 * math.hypot(spread, step / math.sqrt(12.0)) / math.sqrt(m)
+    middle, half = float(np.median(each)), half_of_median(each, step / math.sqrt(12.0))
     return middle, middle - half, middle + half
 
 

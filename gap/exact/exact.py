@@ -98,7 +98,7 @@ class Exact:
         """Return innovations of unit variance, their variances, and what the mean showed, (rows, signals) each.
 
         ``params`` block.parameter -> value; ``sizes`` source of random numbers -> (standard deviation, correlation time
-        [s]); ``Y`` (rows, signals), NaN where a signal says nothing, ``r`` (signals,) variance of its rounding.
+        [s]); ``Y`` (rows, signals), NaN where a signal says nothing, ``r`` (rows, signals) variance of its rounding.
         Raises ``NotAffine`` for a diagram that bends.
         """
         rows = self._rows(params, sizes)

@@ -70,10 +70,10 @@ def filtered(kind, A, Q, H, added, unknown, Y, r, z, P, e, S, shown):  # type: i
     """Write the innovations ``e``, their variances ``S``, and what the mean has ``shown``, (rows, signals).
 
     ``kind``, ``A``, ``Q``, ``H``, ``added`` are those of ``Rows``; ``unknown`` (rows, n) variance that is added to z
-    behind a row; ``Y`` (rows, signals), NaN where a signal says nothing; ``r`` variance of its rounding; ``z``, ``P``
-    at the first row, which are changed.
+    behind a row; ``Y`` (rows, signals), NaN where a signal says nothing; ``r`` (rows, signals)
+    variance of its rounding; ``z``, ``P`` at the first row, which are changed.
     """
-    n, m = len(z), len(r)
+    n, m = len(z), Y.shape[1]
     K, s, room, new, settled = np.zeros((m, n)), np.ones(m), np.empty((n, n)), np.empty(n), False
     for i in range(len(Y)):
         k = kind[i]
@@ -83,6 +83,8 @@ def filtered(kind, A, Q, H, added, unknown, Y, r, z, P, e, S, shown):  # type: i
             shown[i, j] = added[i, j]
             for p in range(n):
                 shown[i, j] += H[k, j, p] * z[p]
+            if i > 0 and r[i, j] != r[i - 1, j]:
+                settled = False
         settled = settled and not missing
         for j in range(m):
             e[i, j] = S[i, j] = math.nan
@@ -92,7 +94,7 @@ def filtered(kind, A, Q, H, added, unknown, Y, r, z, P, e, S, shown):  # type: i
             for p in range(n):
                 miss -= H[k, j, p] * z[p]
             if not settled:
-                now = measurement_update(P, H[k, j], r[j], K[j])
+                now = measurement_update(P, H[k, j], r[i, j], K[j])
                 change = max(change, abs(now - s[j]) / now)
                 s[j] = now
             for p in range(n):

@@ -71,7 +71,16 @@ def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) ->
     for c, unsure in enumerate(exact.scans.unsure):
         again[unsure, f.signals.index(exact.ops[c])] = c
     e, losses, path = left_by_stems(
-        loop, exact.inputs(params), exact.scans.every, f.anew, f.r, band, sum(jump), DRAWN * count, SEED, again
+        loop,
+        exact.inputs(params),
+        exact.scans.every,
+        f.anew,
+        np.median(f.r, axis=0),
+        band,
+        sum(jump),
+        DRAWN * count,
+        SEED,
+        again,
     )
     at = np.clip(np.searchsorted(exact.scans.u[:, -2], f.stops[0] + EARLY) - 1, 0, len(path) - 1)
     nothing = np.zeros(len(e), dtype=np.bool_)

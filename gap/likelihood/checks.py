@@ -6,6 +6,7 @@ Each figure is normal with mean 0 and standard deviation 1 if the explanation is
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from stickslip.logs.arrays import Values
 
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)
@@ -14,6 +15,9 @@ BLOCKS = 16  # stretches of a record whose variances are compared
 BEHIND = 24  # rows behind a switch of an input
 SLOWEST = 40  # of the record's frequencies that are looked at one by one
 SYMMETRIC = 0.05  # skewness of a sum below which it is normal
+COMPUTED = 100.0  # times the variance to which a run computes a signal: of what others were computed to as well
+ROUNDED = 2.0  # times the variance of its rounding: of what is foretold to its last digit
+BETTER = 0.5  # of the mean square that is due: so little is no chance in a hundred rows
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
 
 
@@ -25,6 +29,10 @@ class Left(Protocol):
         """What is explained how."""
 
     @property
+    def S(self) -> Values:
+        """Their variances, [unit of the signal]^2."""
+
+    @property
     def judged(self) -> Values:
         """The innovations."""
 
@@ -34,6 +42,7 @@ def checks(one: Left) -> dict[str, float]:
     f = one.explanation.filtering
     e = one.judged
     found: dict[str, float] = {}
+    e = np.where(_foretold(one, e), np.nan, e)
     known = np.isfinite(e)
     cut = np.clip(np.nan_to_num(e), -CALM, CALM)
     size = np.where(known, np.minimum(np.nan_to_num(e) ** 2, CALM**2) - 1.0, 0.0)
@@ -68,6 +77,17 @@ def checks(one: Left) -> dict[str, float]:
                     a[max(-lag, 0) : len(a) - max(lag, 0)], b[max(lag, 0) : len(b) - max(-lag, 0)]
                 )
     return found
+
+
+def _foretold(one: Left, e: Values) -> NDArray[np.bool_]:
+    """Return which signals are foretold better than a run computes them, or than their digits say: what is left of
+    them says nothing.  A signal that is computed of a coarse one has coarse values itself, which nothing has rounded.
+    """
+    f = one.explanation.filtering
+    usual = np.median(np.where(np.isnan(one.S), np.inf, one.S), axis=0)
+    square = np.nansum(e**2, axis=0) / np.maximum(np.isfinite(e).sum(axis=0), 1)
+    computed, digits = usual < COMPUTED * f.computed, usual < ROUNDED * np.median(f.r, axis=0)
+    return np.asarray((computed & (square < 1.0)) | (digits & (square < BETTER)))
 
 
 def known_of(one: Left) -> dict[str, Values]:

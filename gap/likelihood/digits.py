@@ -13,13 +13,13 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.likelihood.inputs import NORMAL
 from stickslip.gap.likelihood.judge import enough, judged
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.verdict import Verdict
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import rounding
+from stickslip.logs.normal import OF_SIZES
 
 IN_ACCORD, MOST = 0.3, 0.8  # of the usual size: so small are most residuals that no rounding of the log has made
 LATTICE_RUNS = 6  # of the model, which tell how much is usual
@@ -53,7 +53,8 @@ def shows_steps(null: Fit) -> bool:
 def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) -> Fit | None:
     """Return a sensor of few levels; if the log is no finer than these, the controller has to have seen them.
 
-    Then it has to be enough as well, for noise of any size gains much where something else is wrong.
+    Then it has to be enough as well, beside runs with such a sensor, for noise of any size gains much where something
+    else is wrong.
     """
     f = null.best.hypothesis.frame
     step = coarse(f, place)
@@ -71,9 +72,12 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     if start is None:
         return None
     fit = refined(start, free_names(start.hypothesis))
-    if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed, null), alone, null):
+    found = _as(fit, Hypothesis(f, effect, place), {"step": step})
+    stated = {key: size for key, size in f.stated.items() if key.endswith(".sd")}  # levels are not noise as well
+    made = found.hypothesis.model({**found.best.values, **stated})
+    if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed, null, made), alone, null):
         return None
-    return _as(fit, Hypothesis(f, effect, place), {"step": step})
+    return found
 
 
 def _seen(f: Replays, signal: str, seed: int) -> bool:
@@ -95,7 +99,7 @@ def _compressed(null: Fit, effect: Effect, seed: int) -> Fit | None:
     f = null.best.hypothesis.frame
     place = next(iter(effect.places(f.model)), "historian")
     fitted = {key: null.best.values[key] for key in f.free}
-    usual = NORMAL * float(np.nanmin(np.nanmedian(np.abs(null.best.e), axis=0)))  # what shows in few rows is no noise
+    usual = OF_SIZES * float(np.nanmin(np.nanmedian(np.abs(null.best.e), axis=0)))  # what shows in few rows is no noise
     less = {key: usual * size for key, size in fitted.items() if key.endswith(".sd")}
     signal = straightened(f, seed, [fitted, {**fitted, **less}] if fitted else [])
     size = deviation(f, f.stated, Compression(signal), place, signal, seed) if signal else None

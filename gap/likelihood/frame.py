@@ -16,7 +16,7 @@ from stickslip.gap.exact.scans import Scans, scans_of
 from stickslip.gap.likelihood.inputs import Doubt
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
-from stickslip.gap.records.record import rounding, switch_rows, switches
+from stickslip.gap.records.record import last_steps, rounding, significant, switch_rows, switches
 from stickslip.logs.arrays import Values
 
 NEAR = 4  # rows behind a switch that tell when it was
@@ -27,7 +27,7 @@ SAME_STEP = 0.01  # share by which the step that a sensor states may differ from
 BELOW_NOISE = 0.5  # of the noise that a sensor states: so small a step is nothing beside it
 SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
 BUDGET = 2_000_000_000  # steps of the engine
-FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
+FINEST = 1e-5  # of a signal's spread: what a signal that is not rounded is known to, and a run computes it to
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class Frame(Held):
 
     @cached_property
     def r(self) -> Values:
-        """Variance of the log's rounding of each signal.
+        """Variance of the log's rounding of each value, (rows, signals).
 
         Where the model's sensor gives multiples of that step, the log has what the controller saw, as it was.  A step
         near its noise stays rounding, for the runs that predict it round as well.
@@ -97,13 +97,19 @@ class Frame(Held):
         found = []
         for j, s in enumerate(self.signals):
             known = self.Y[:, j][np.isfinite(self.Y[:, j])]
-            step = self.record.computed.get(s, 0.0) or rounding(known)
+            computed = self.record.computed.get(s, 0.0)
+            step, digits = computed or rounding(known), 0 if computed else significant(known)
             sensor = self.model.blocks[self.model.driven[s][0]].params
             stated = sensor.get("step", 0.0)
             if 0.0 < stated < BELOW_NOISE * sensor.get("sd", 0.0) and math.isclose(step, stated, rel_tol=SAME_STEP):
-                step = SEEN_FINER * stated
-            found.append(max(step**2 / 12.0, (FINEST * float(np.std(known))) ** 2, 1e-300))
-        return np.array(found)
+                step, digits = SEEN_FINER * stated, 0
+            found.append(np.maximum(last_steps(self.Y[:, j], step, digits) ** 2 / 12.0, self.computed[j]))
+        return np.stack(found, axis=1)
+
+    @cached_property
+    def computed(self) -> Values:
+        """Variance to which a run computes each signal, (signals,)."""
+        return np.asarray(np.maximum((FINEST * np.nanstd(self.Y, axis=0)) ** 2, 1e-300))
 
     @cached_property
     def anew(self) -> Values:

@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
-from stickslip.gap.records.record import Record, rounding, switch_rows, switches
+from stickslip.gap.records.record import Record, last_steps, rounding, significant, switch_rows, switches
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import OF_SIZES, spread
 
 RAMP = 3  # rows at which an input moves, beyond which it may be a ramp
 TYPED = 1.5  # times the digit of the other signals: what has coarser digits has been typed in, and is exact
 JUMP = 4.0  # standard deviations of its moves from row to row, beyond which an input has jumped
 NEAR = 61  # rows over which an input is taken to move alike
-NORMAL = 1.4826  # standard deviations of a normal law in its median of sizes
 
 
 @dataclass(frozen=True)
@@ -38,28 +38,35 @@ class Doubt:
         phi, sd = np.ones(len(stops)), np.zeros(len(stops))
         fresh = np.diff(values, prepend=np.nan) != 0.0
         at_row = row_of >= 0
+        step = last_steps(values, self.step, significant(values) if self.step else 0)[np.maximum(row_of, 0)]
         new = at_row & fresh[np.maximum(row_of, 0)]
-        phi[new], sd[new] = 0.0, self.step / np.sqrt(12.0)
+        phi[new], sd[new] = 0.0, step[new] / np.sqrt(12.0)
         if self.spread > 0.0:
             k = np.clip(np.searchsorted(log_t, stops, side="right") - 1, 0, len(log_t) - 2)
             share = np.clip((stops - log_t[k]) / (log_t[k + 1] - log_t[k]), 0.0, 1.0)
             since = np.where(np.diff(k, prepend=-1) == 0, np.concatenate([[0.0], share[:-1]]), 0.0)
             steps = np.abs(np.diff(values))
-            jumps = steps > JUMP * NORMAL * float(np.median(steps))  # somewhere between the rows
+            jumps = steps > JUMP * spread(steps)  # somewhere between the rows
             wide = np.where(jumps, 0.5 * steps, spreads(values)[:-1])[k]
             moving = ~at_row & (fresh[k] | fresh[k + 1])
             phi[moving] = ((1.0 - share) / (1.0 - since))[moving]
             sd[moving] = 2.0 * (wide * np.sqrt((share - since) * (1.0 - share) / (1.0 - since)))[moving]
             behind = at_row & np.concatenate([[False], moving[:-1]])
-            phi[behind], sd[behind] = 0.0, self.step / np.sqrt(12.0)
+            phi[behind], sd[behind] = 0.0, step[behind] / np.sqrt(12.0)
         return phi, sd
 
 
 def rounded(record: Record) -> dict[str, Doubt]:
-    """Return the doubts of inputs that have the digits which the log gives other signals."""
+    """Return the doubts of inputs that are measured or computed: they move at row after row, or have the digits which
+    the log gives other signals.
+    """
     finest = max((record.steps[s] for s in record.pinned), default=0.0)
     steps = {s: rounding(record.known(s)) for s in record.played}
-    return {s: Doubt(step) for s, step in steps.items() if 0.0 < finest / TYPED <= step <= TYPED * finest}
+    return {
+        s: Doubt(step)
+        for s, step in steps.items()
+        if step > 0.0 and (moves(record, s) or finest / TYPED <= step <= TYPED * finest)
+    }
 
 
 def moves(record: Record, signal: str) -> bool:
@@ -78,7 +85,7 @@ def spreads(values: Values) -> Values:
     the ratio is larger.
     """
     off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-    usual = NORMAL * median_filter(off, min(NEAR, len(off)), mode="nearest") / np.sqrt(2.0)
+    usual = OF_SIZES * median_filter(off, min(NEAR, len(off)), mode="nearest") / np.sqrt(2.0)
     return np.concatenate([usual[:1], usual, usual[-1:]])
 
 

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
@@ -47,10 +48,13 @@ SURE = 4.0  # standard deviations by which noise or a load may want to stand at 
 MOST_LEFT = 25.0  # standard deviations that such an effect may leave at most
 
 
-def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | None = None) -> Verdict:
+def judged(
+    fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | None = None, model: Diagram | None = None
+) -> Verdict:
     """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not.
 
-    ``null``: the model alone.
+    ``null``: the model alone.  ``model``: whose runs say what is usual, where the fit only stands for
+    it; its own unless given.
     """
     if isinstance(fit.hypothesis.frame, Replays):
         return judged_by_loss(fit, null, seed)
@@ -63,7 +67,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     runs = RUNS_OF_BANK if one.hides else RUNS
     usual: list[float] = []
     found = Verdict(size, name, 1.0, math.inf)
-    logs = _runs(fit, runs, seed + 1)
+    logs = _runs(fit, runs, seed + 1, model)
     if len(logs) < runs // 2:  # the others come to no end
         return found
 
@@ -81,7 +85,7 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0, null: Fit | Non
     else:
         if len(usual) < runs // 2:  # the filter follows few of them
             return Verdict(size, name, 1.0, math.inf)
-    if found.unusual:
+    if found.unusual or model is not None:
         return found
     at, beyond = _beyond(fit)
     return found if beyond <= SURE else Verdict(beyond, at, math.erfc(beyond / math.sqrt(2.0)), SURE)
@@ -120,9 +124,10 @@ def chance(deviate: float) -> float:
     return -math.expm1(-math.exp(-min(max(deviate, -FARTHEST), FARTHEST)))
 
 
-def _runs(fit: Fit, runs: int, seed: int) -> list[Log]:
+def _runs(fit: Fit, runs: int, seed: int, model: Diagram | None = None) -> list[Log]:
     """Return logs of runs of a fit, some with each guess at what the log does not tell of its inputs."""
-    f, model = fit.hypothesis.frame, fit.hypothesis.model(fit.best.values)
+    f = fit.hypothesis.frame
+    model = model or fit.hypothesis.model(fit.best.values)
     if not f.doubts:
         return without_gap(model, f.record, runs, seed)
     guesses = played(f.record, f.doubts, *f.stops, range(seed, seed + GUESSES))

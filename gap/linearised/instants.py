@@ -17,6 +17,7 @@ from stickslip.gap.floors.floor import losses, undisturbed
 from stickslip.gap.linearised.filtered import Filter, known_to
 from stickslip.gap.records.record import Record, switch_rows, switches
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import OF_SIZES
 
 Switch = tuple[str, int]  # the set point, and the row that shows its switch
 SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.97)  # of an interval that are tried first
@@ -56,7 +57,7 @@ def with_switches(quiet: Diagram, record: Record, filter: Filter) -> Record:
     plain = filter.residuals(quiet, record, None, None)[0]
     plain[1:, judged] = np.diff(plain[:, judged], axis=0)
     least = [known_to(record, s) if s in filter.parts.judged else LEAST for s in record.pinned]
-    scale = np.maximum(1.4826 * np.nanmedian(np.abs(plain), axis=0), least)
+    scale = np.maximum(OF_SIZES * np.nanmedian(np.abs(plain), axis=0), least)
     everywhere = {(s, k): 0.0 for s in rows for k in rows[s]}
     told: dict[Switch, dict[float, float]] = {one: {} for one in everywhere}  # switch -> share -> loss behind it
 

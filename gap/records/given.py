@@ -13,9 +13,9 @@ from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import Z90
 
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
-SURE = 1.645  # standard deviations of an interval of 90 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def sizes(
         value = float(values[p.name])
         if p.nuisance or not math.isfinite(value):
             continue
-        wide = SURE * sd.get(p.name, 0.0)
+        wide = Z90 * sd.get(p.name, 0.0)
         low, high = bounds.get(p.name, (value, value))
         found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
     return found
@@ -168,7 +168,7 @@ class Held:
     @property
     @abstractmethod
     def r(self) -> Values:
-        """Variance of the log's rounding of each signal."""
+        """Variance of the log's rounding of each value, (rows, signals)."""
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
@@ -184,7 +184,7 @@ class Held:
     @cached_property
     def sure(self) -> Values:
         """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
-        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+        return np.asarray(0.5 * np.log(12.0 * np.median(self.r, axis=0) / (2.0 * np.pi)))
 
     @cached_property
     def skipped(self) -> int:

@@ -14,6 +14,7 @@ from stickslip.logs.arrays import Values
 
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
 FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
+MOST_DIGITS = 9  # significant digits of a log that rounds
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
 UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
 APART = 2.5  # roundings of the log by which they lie apart, where it has rounded them again
@@ -51,6 +52,38 @@ def rounding(values: ArrayLike) -> float:
             return step
         step = float(left[off].min())
     return 0.0
+
+
+def significant(values: ArrayLike) -> int:
+    """Return how many significant digits the values of a signal have at most; 0 where they have more than a log keeps.
+
+    >>> significant([9.87654, 12.1436, 0.5]), significant([0.1, 3.0**0.5])
+    (6, 0)
+    """
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known) & (known != 0.0)]
+    for digits in range(1, MOST_DIGITS + 1) if len(known) else ():
+        step = _last_digit(known, digits)
+        known = known[np.abs(known - np.round(known / step) * step) > FINEST * np.abs(known)]
+        if not len(known):
+            return digits
+    return 0
+
+
+def _last_digit(values: Values, digits: int) -> Values:
+    """Return by how much a value changes where the last of so many significant digits does; 0 of zero."""
+    size = np.abs(values)
+    exponents = np.floor(np.log10(size, where=size > 0.0, out=np.full(size.shape, -np.inf)) + FINEST)
+    return np.asarray(10.0 ** (exponents + 1 - digits))
+
+
+def last_steps(values: Values, step: float, digits: int) -> Values:
+    """Return to which step [their unit] values are rounded that have a number of decimals, or of significant digits.
+
+    >>> last_steps(np.array([9.87654, 12.1436]), 1e-5, 6)
+    array([1.e-05, 1.e-04])
+    """
+    return np.maximum(step, _last_digit(values, digits)) if digits else np.full(values.shape, step)
 
 
 def spacing(values: ArrayLike) -> float:
@@ -178,9 +211,19 @@ class Record:
         """First good value of each signal of the log."""
         return {s: float(self.known(s)[0]) for s in self.log.names if len(self.known(s))}
 
+    @cached_property
+    def digits(self) -> dict[str, int]:
+        """Significant digits of each signal that the model drives, 0 where nothing is rounded."""
+        return {s: significant(self.known(s)) if step else 0 for s, step in self.steps.items()}
+
     def rounded(self, values: dict[str, Values]) -> dict[str, Values]:
         """Return values of the pinned signals rounded as the log rounds them."""
-        return {s: np.round(v / self.steps[s]) * self.steps[s] if self.steps[s] else v for s, v in values.items()}
+        found = dict(values)
+        for s, v in values.items():
+            if self.steps[s]:
+                step = last_steps(v, self.steps[s], self.digits[s])
+                found[s] = np.round(v / step) * step
+        return found
 
     def first_part(self, share: float) -> "Record":
         """Return the record up to a share of its rows."""

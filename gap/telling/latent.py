@@ -23,6 +23,7 @@ from stickslip.gap.records.start import start_values
 from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values
+from stickslip.logs.normal import spread
 from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ def _deconvolved(y: Values, g: Values, integral: bool) -> Values:
 def _direction(values: Values) -> Values:
     """Return which way a signal goes, -1 or 1, (rows,): it turns where it has come back by ``TURN`` times its noise."""
     second = np.diff(values, 2)
-    least = TURN * 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0)  # white noise: its median and spread
+    least = TURN * spread(second) / float(np.sqrt(6.0))  # of white noise
     way, furthest, found = 1.0, values[0], np.empty(len(values))
     for k, value in enumerate(values.tolist()):
         if (value - furthest) * way > 0.0:

@@ -16,10 +16,14 @@ def test_figures_of_white_innovations_are_normal_though_a_set_point_switches_onl
     SP = np.select([t < 1800.0, t < 3000.0], [7.0, 6.2], 7.3)
     PV, OP = SP + 0.01 * np.cumsum(rng.normal(size=ROWS)), np.convolve(rng.normal(size=ROWS), np.ones(9), "same")
     record = SimpleNamespace(log=Log(t, {"SP": SP, "PV": PV, "OP": OP}), played=("SP",))
-    filtering = SimpleNamespace(signals=("PV", "OP"), record=record, skipped=1)
+    explanation = SimpleNamespace(
+        filtering=SimpleNamespace(
+            signals=("PV", "OP"), record=record, skipped=1, computed=np.zeros(2), r=np.zeros((ROWS, 2))
+        )
+    )
+    S = np.ones((ROWS - 1, 2))
     each = [
-        checks(SimpleNamespace(explanation=SimpleNamespace(filtering=filtering), judged=rng.normal(size=(ROWS - 1, 2))))
-        for _ in range(TRIALS)
+        checks(SimpleNamespace(explanation=explanation, judged=rng.normal(size=S.shape), S=S)) for _ in range(TRIALS)
     ]
     rare = {name: float(np.quantile([abs(one[name]) for one in each], 0.99)) for name in each[0]}
     assert max(rare.values()) < 3.0, max(rare, key=lambda name: rare[name])

@@ -1,8 +1,10 @@
 """What digits tell: levels that the log has rounded again, scans of a coarse OP, limits; and the marks of noise."""
 
+import math
+
 import numpy as np
 import pytest
-from stickslip.blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Saturation, Square, Sum
+from stickslip.blocks import Equations, FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Saturation, Square, Sum
 from stickslip.cases.models import ideal_flow
 from stickslip.diagram import ensemble, simulate, wire
 from stickslip.gap import diagnose
@@ -48,6 +50,28 @@ def test_a_coarse_sensor_is_told_from_a_coarse_log():
     assert all(
         c.effect != "quantisation" for c in diagnose(ideal_flow(), historian, catalogue=one, limits=False).causes
     )
+
+
+def test_a_coarse_sensor_of_a_slow_level_is_told_from_a_coarse_log():
+    # steps six times as large as the noise are no noise: runs with such a sensor say what its fit may leave
+    def rate(L, MV, q_in):
+        return (q_in - 0.0149 * MV / 100.0 * math.sqrt(max(L + 0.3, 0.0))) / (math.pi * (0.3 + 0.35 * L) ** 2)
+
+    blocks = [
+        SampledPI(60.0, 400.0, dt=2.0, low=0.0, high=100.0, action="direct", start_op=50.0, name="LC"), IdealValve(),
+        Noise("q_in", sd=0.0008, dt=10.0, correlation_time=1200.0, mean=0.01, name="feed"),
+        Equations("vessel", der=rate, states={"L": 1.5}, inputs=["MV", "q_in"], outputs="L"),
+        SampledSensor(2.0, sd=0.004, start=1.5, name="LT", inputs="L", outputs="PV"),
+    ]  # fmt: skip
+    model, one = wire(blocks, inputs=["SP"]), [effect("quantisation"), effect("sensor_bias")]
+    coarse = effect("quantisation").insert(model, "LT", step=0.025)
+    seen, fine = (simulate(d, 9000.0, every=5.0, inputs={"SP": 1.5}).log for d in (coarse, model))
+    digits = {s: np.array([float(f"{v:.6g}") for v in seen[s]]) for s in ("SP", "PV", "OP")}
+    (cause,) = diagnose(model, Log(seen.t, digits), catalogue=one, limits=False).causes
+    assert (cause.effect, cause.parameters["step"].value) == ("quantisation", 0.025)
+    historian = Log(fine.t, {"SP": fine["SP"], "OP": fine["OP"], "PV": np.round(fine["PV"] / 0.025) * 0.025})
+    report = diagnose(model, historian, catalogue=one, limits=False)
+    assert all(c.effect != "quantisation" for c in report.causes), "the controller has seen all digits"
 
 
 def test_a_coarse_log_that_was_compressed_is_told():

@@ -147,7 +147,10 @@ def test_the_likelihood_is_that_of_the_whole_covariance(missing):
     rng, scans = np.random.default_rng(0), 39 * 5 + 1
     u = np.column_stack([np.full(scans, 1.5), np.arange(float(scans)), np.ones(scans)])
     F, H = one.closed(0)
-    P0, r = 1e-4 * np.eye(n), np.array([2e-7, 8e-8])
+    P0, r = (
+        1e-4 * np.eye(n),
+        np.outer(np.where(np.arange(rows) // 15 % 2, 50.0, 1.0), [2e-7, 8e-8]),
+    )  # rounding goes by decades
     mean, covariances, powers, means = one.start.copy(), [P0], [np.eye(n)], []
     for k in range(scans):
         means.append(H @ np.concatenate([mean, u[k]]))
@@ -160,7 +163,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance(missing):
             block = H[:, :n] @ powers[(j - i) * every] @ covariances[i * every] @ H[:, :n].T
             C[2 * j : 2 * j + 2, 2 * i : 2 * i + 2] = block
             C[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] = block.T
-    C += np.kron(np.eye(rows), np.diag(r))
+    C += np.diag(r.ravel())
     m = np.concatenate([means[i * every] for i in range(rows)])
     y = m + np.linalg.cholesky(C) @ rng.normal(size=len(m))
     kept = np.ones(len(y), dtype=bool)
