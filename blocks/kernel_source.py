@@ -117,28 +117,31 @@ def generated(lines: Sequence[str], function: Function | None = None, output: Fu
     """
     key = (function, output, *lines)
     if key not in _made:
-        _made[key] = _compiled(lines, {"function": function, "output": output, "np": np}, "kernel", "<string>", 1)
+        _made[key] = _placed(function or output, lines, {"function": function, "output": output, "np": np}, "kernel")
         _made[key].may_run_in_python = True  # type: ignore[attr-defined]
     return _made[key]
 
 
 def generated_for(function: FunctionType, lines: Sequence[str], name: str) -> Kernel:
-    """Return the kernel with these lines as if it stood in the file of ``function``, beside which it is cached.
+    """Return the kernel with these lines, called ``name``, which knows ``function`` and ``math``.
 
     An error message names the place of the function.
     """
     key = (function, name, *lines)
     if key not in _made:
-        code, known = function.__code__, {"function": function, "math": math, "__name__": function.__module__}
-        _made[key] = _compiled(lines, known, name, code.co_filename, code.co_firstlineno)
+        _made[key] = _placed(function, lines, {"function": function, "math": math}, name)
     return _made[key]
 
 
-def _compiled(lines: Sequence[str], known: dict[str, Any], name: str, file: str, line: int) -> Kernel:
+def _placed(beside: Function | None, lines: Sequence[str], known: dict[str, Any], name: str) -> Kernel:
+    """Return the kernel as if it stood in the file of a plain function, beside which it is cached."""
+    code = getattr(beside, "__code__", None)
+    file, line = ("<string>", 1) if code is None else (code.co_filename, code.co_firstlineno)
     tree = ast.parse(f"def {name}({', '.join(SHAPE)}, out):\n    " + "\n    ".join(lines))
     for node in ast.walk(tree):
         if isinstance(node, ast.stmt | ast.expr | ast.arg):
             node.lineno = node.end_lineno = line
+    known["__name__"] = getattr(beside, "__module__", __name__)
     exec(compile(tree, file, "exec"), known)
     made: Kernel = known[name]
     return made

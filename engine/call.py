@@ -109,7 +109,7 @@ class _Compiled(CFunc):
         self.reached = reached
 
     def enable_caching(self) -> None:
-        self._cache = _Cache(self._pyfunc, self.reached.fingerprint)
+        self._cache = _Cache(self._pyfunc, f"{self.reached.fingerprint} {self.trusted}")
 
     def loaded(self) -> Self:
         """Return it loaded from the cache, or compiled and kept there where that can be."""
@@ -128,7 +128,7 @@ class _Compiled(CFunc):
         self.trusted = True
         try:
             with warnings.catch_warnings(action="ignore"):
-                self.compile()
+                self.loaded()
         except Exception as error:  # whatever the compiler has against it, Python can run it
             cause = error.__cause__
             return f"it cannot be compiled: {_in_short(cause if isinstance(cause, Exception) else error)}"

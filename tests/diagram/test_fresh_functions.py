@@ -68,7 +68,7 @@ def with_default(u, k=1.0):
 
 
 def in_python(y, u):
-    return {"k": K, 1: "mixed keys do not compile"}["k"] * u - y
+    return sum(k for k in [K]) * u - y  # the compiler knows no generators
 
 
 def around():

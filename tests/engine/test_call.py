@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -113,14 +114,16 @@ def test_a_fingerprint_follows_constants_and_helpers_and_nothing_else(monkeypatc
     assert Reached(_plain).fingerprint not in (before, changed)
 
 
-def test_a_second_process_compiles_nothing():
+def test_a_second_process_compiles_nothing(tmp_path):
+    (tmp_path / "law.py").write_text("def rate(x):\n    return -x\n")
     code = (
-        "from stickslip.blocks import FirstOrder; from stickslip.engine import call;"
-        "der = FirstOrder(1.0, 1.0).kernels.der; call.address(der);"
-        "print(call._known[der].made.cache_hits)"
+        "from law import rate; from stickslip.blocks import Equations, FirstOrder; from stickslip.engine import call;"
+        "der = [b.kernels.der for b in (FirstOrder(1.0, 1.0), Equations('e', der=rate, states={'x': 1.0}))];"
+        "print(*[call.address(one) and call._known[one].made.cache_hits for one in der])"
     )
-    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT) for _ in range(2)]
-    assert runs[1].stdout == "1\n", runs[1].stderr
+    run = partial(subprocess.run, [sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    runs = [run(env=os.environ | {"PYTHONPATH": str(tmp_path)}) for _ in range(2)]
+    assert runs[1].stdout == "1 1\n", runs[1].stderr
 
 
 def _raises(t, x, d, u, p, y):

@@ -88,3 +88,9 @@ def site_record():
         return Log(t, {"SP": SP, **{s: np.round(many.values[s][0] / q) * q for s, q in steps.items()}})
 
     return record
+
+
+@pytest.fixture
+def without_hints(monkeypatch):
+    """Leave out the search for mistakes in the log beside "unknown": it takes as long, and ``test_hints`` tests it."""
+    monkeypatch.setattr("stickslip.gap.diagnosis.hints", lambda diagram, log: ())

@@ -26,14 +26,15 @@ LATE = ("a gain that switches", "a slow load")  # in less time these leave what 
 ALIKE = ("a ramp of the load",)  # a drift of the sensor leaves a log like it
 
 
+@pytest.mark.usefixtures("without_hints")
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in (*UNSEEN, *ALIKE)])
 def test_what_no_catalogue_has_is_unknown_and_what_it_has_is_named(kind):
-    # what a diagnosis adds, a search for mistakes in the log, takes as long and has its own tests
     log = site_log(kind, hours=2.0 if kind in LATE else 1.4)
     report = diagnose(site_flow(), log, catalogue=CATALOGUE, progress=False, limits=False)
     assert [cause.effect for cause in report.causes] == KNOWN.get(kind, ["unknown"])
 
 
+@pytest.mark.usefixtures("without_hints")
 @pytest.mark.parametrize("kind", UNSEEN)
 def test_what_is_too_small_to_show_beside_noise_that_is_fitted_gets_no_name(kind):
     report = diagnose(site_flow(), site_log(kind), catalogue=CATALOGUE, progress=False, limits=False)

@@ -53,6 +53,7 @@ def test_the_cause_is_named_up_to_what_the_log_tells_apart(recorded, name, place
     assert set(found["shrinkage"]) == {"before", "after", "floor", "fraction", "low", "high"}
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_what_the_catalogue_lacks_is_unknown(recorded):
     without = [one for one in FEW if one.name != "dead_time"]
     log = recorded("dead_time", "process", theta=2.0)

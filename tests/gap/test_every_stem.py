@@ -80,6 +80,7 @@ def test_a_stem_of_a_law_like_kanos_leaves_the_same_log(law):
         np.testing.assert_array_equal(one[signal], kano[signal])
 
 
+@pytest.mark.usefixtures("without_hints")
 @pytest.mark.parametrize("law", OUTSIDE)
 def test_a_stem_of_a_law_that_no_effect_has_is_unknown_and_no_limit(law):
     report = told(OUTSIDE[law]())

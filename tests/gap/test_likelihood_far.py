@@ -96,6 +96,7 @@ def test_a_size_far_off_is_found_where_a_stated_step_of_the_sensor_makes_the_lik
     assert found.values["factor"] == pytest.approx(0.35, rel=0.05)
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_a_load_that_wants_to_be_far_slower_than_every_fit_lets_it_is_a_gap_of_no_name() -> None:
     # a process gain of 1.006 was named beside a load of 25 s, five times what is stated, where it is 100 s
     log, known = logged(tank(time=100.0), 8), [effect("sensor_bias"), effect("process_gain")]

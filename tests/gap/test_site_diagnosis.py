@@ -38,6 +38,7 @@ def test_a_noisy_sensor_is_named(site_record):
     assert cause.parameters["factor"].value == pytest.approx(2.0, rel=0.05)
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_a_coarse_sensor_is_told_from_a_coarse_log(site_record):
     coarse = site_record("quantisation", "sensor", step=0.02)
     cause = diagnose(site_flow(), coarse, catalogue=known("quantisation", "sensor_noise")).causes[0]
@@ -74,6 +75,7 @@ def test_stiction_is_told_from_a_deadband(site_record):
     assert cause.parameters["J"].value == pytest.approx(2.5, rel=0.3)
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_what_the_catalogue_lacks_is_unknown(site_record):
     log = site_record("controller_filter", "controller", tau=2.0)
     report = diagnose(site_flow(), log, catalogue=known("second_lag", "controller_gain", "sensor_noise"))

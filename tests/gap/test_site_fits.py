@@ -99,6 +99,7 @@ def test_a_logged_stem_says_on_which_side_of_it_the_gap_lies(site_record):
     assert report.causes[0].ambiguous_with == ()
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_a_stem_that_does_not_follow_is_a_gap_though_nothing_else_shows(site_record):
     log = site_record(stem=True)
     MV = log["MV"].copy()

@@ -34,6 +34,7 @@ def test_a_gain_and_a_load_of_another_program_are_both_named_in_a_scanned_loop()
     assert sum(report.where.shares[one.place] for one in report.causes) == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_effects_that_no_catalogue_has_are_no_pair_either():
     report = diagnose(site_flow(), site_log("a gain that oscillates"), catalogue=FEW, limits=False)
     assert [one.effect for one in report.causes] == ["unknown"]

@@ -29,6 +29,7 @@ def load_of(log):
     return null, unmeasured_load(null)
 
 
+@pytest.mark.usefixtures("without_hints")
 def test_a_wandering_load_is_no_effect_of_the_catalogue_and_said_to_explain_everything(wandering):
     report = diagnose(ideal_flow(), wandering, catalogue=FEW, progress=False)
     assert [(cause.effect, cause.place) for cause in report.causes] == [("unknown", "feed")]
