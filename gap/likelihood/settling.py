@@ -17,9 +17,9 @@ def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
     if start is None:
         return fit
     for left in reversed(range(rounds)):
-        start = with_switches(start)
-        fit = refined(start, free_names(one), ROUNDS if one.frame.replays else FIRST)
-        if fit.best is not start:
+        before = start
+        fit = refined(with_switches(before), free_names(one), ROUNDS if one.frame.replays else FIRST)
+        if fit.best is not before:
             start = fit.best
             continue
         ahead = moved_alike(fit) if left else None
