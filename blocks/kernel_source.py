@@ -7,6 +7,7 @@ that says where each name stands.  Compiled, the call costs nothing: the functio
 import ast
 import inspect
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from types import FunctionType
 from typing import Any
@@ -134,14 +135,18 @@ def generated_for(function: FunctionType, lines: Sequence[str], name: str) -> Ke
 
 
 def _placed(beside: Function | None, lines: Sequence[str], known: dict[str, Any], name: str) -> Kernel:
-    """Return the kernel as if it stood in the file of a plain function, beside which it is cached."""
-    code = getattr(beside, "__code__", None)
+    """Return the kernel as if it stood in the file of a plain function, beside which it is cached.
+
+    A function of a module that cannot be found by its name has no such place.
+    """
+    module = getattr(beside, "__module__", "")
+    code = getattr(beside, "__code__", None) if module in sys.modules else None
     file, line = ("<string>", 1) if code is None else (code.co_filename, code.co_firstlineno)
     tree = ast.parse(f"def {name}({', '.join(SHAPE)}, out):\n    " + "\n    ".join(lines))
     for node in ast.walk(tree):
         if isinstance(node, ast.stmt | ast.expr | ast.arg):
             node.lineno = node.end_lineno = line
-    known["__name__"] = getattr(beside, "__module__", __name__)
+    known["__name__"] = __name__ if code is None else module
     exec(compile(tree, file, "exec"), known)
     made: Kernel = known[name]
     return made

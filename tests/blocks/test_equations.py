@@ -1,5 +1,6 @@
 """Blocks from plain functions: arguments by name, compiled where possible, called in Python where not."""
 
+import importlib.util
 import math
 
 import numpy as np
@@ -152,3 +153,15 @@ REFUSALS = {
 @pytest.mark.parametrize("what", REFUSALS)
 def test_refusals(refuses, what):
     refuses(*REFUSALS[what])
+
+
+def test_functions_of_a_file_that_was_loaded_without_a_name_are_compiled(tmp_path):
+    # as a notebook, or a script of the user's, loads a model: no module of that name is to be found again
+    file = tmp_path / "model_of_mine.py"
+    file.write_text("def rate(PV, MV, K, tau):\n    return (K * MV - PV) / tau\n")
+    spec = importlib.util.spec_from_file_location("model_of_mine", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    run = drive(lag(der=module.rate), 20.0, every=5.0, MV=0.5)
+    assert run.in_python == ()
+    np.testing.assert_array_equal(run.log["PV"], drive(lag(), 20.0, every=5.0, MV=0.5).log["PV"])
