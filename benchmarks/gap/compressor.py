@@ -5,7 +5,9 @@ is kept then is the sample before.  The samples in between come back on straight
 """
 
 import numpy as np
-from stickslip.logs.arrays import Values
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
 
 
 def doors(t: Values, y: Values, deviation: float) -> Values:

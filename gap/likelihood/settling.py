@@ -17,9 +17,10 @@ def settled(fit: Fit, rounds: int = SETTLING) -> Fit:
     if start is None:
         return fit
     for left in reversed(range(rounds)):
-        before = start
-        fit = refined(with_switches(before), free_names(one), ROUNDS if one.frame.replays else FIRST)
-        if fit.best is not before:
+        moved = with_switches(start)
+        fit = refined(moved, free_names(one), ROUNDS if one.frame.replays else FIRST)
+        # switches of the model alone make up for what it lacks: they follow its sizes, and no other switches
+        if fit.best is not (moved if one.effect is None else start):
             start = fit.best
             continue
         ahead = moved_alike(fit) if left else None

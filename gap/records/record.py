@@ -15,6 +15,7 @@ from stickslip.logs.arrays import Values
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
 FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 MOST_DIGITS = 9  # significant digits of a log that rounds
+COARSER, DISTINCT = 2.0, 10  # times the finest step, and values that have it, of a log of significant digits
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
 UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
 APART = 2.5  # roundings of the log by which they lie apart, where it has rounded them again
@@ -55,18 +56,23 @@ def rounding(values: ArrayLike) -> float:
 
 
 def significant(values: ArrayLike) -> int:
-    """Return how many significant digits the values of a signal have at most; 0 where they have more than a log keeps.
+    """Return to how many significant digits the values of a signal are rounded; 0 where they are not, or by decimals.
 
-    >>> significant([9.87654, 12.1436, 0.5]), significant([0.1, 3.0**0.5])
-    (6, 0)
+    Many large values without the last decimal of the small ones say so: 1.0 beside 0.999 does not.
+
+    >>> significant([*np.round(np.linspace(9.5, 9.99, 40), 4), *np.round(np.linspace(10.0, 12.0, 40), 3)])
+    5
+    >>> significant([0.999, 1.0, 0.123]), significant([0.1, 3.0**0.5])
+    (0, 0)
     """
-    known = np.asarray(values, dtype=float)
-    known = known[np.isfinite(known) & (known != 0.0)]
+    known = np.unique(np.asarray(values, dtype=float))
+    known = left = known[np.isfinite(known) & (known != 0.0)]
     for digits in range(1, MOST_DIGITS + 1) if len(known) else ():
-        step = _last_digit(known, digits)
-        known = known[np.abs(known - np.round(known / step) * step) > FINEST * np.abs(known)]
-        if not len(known):
-            return digits
+        step = _last_digit(left, digits)
+        left = left[np.abs(left - np.round(left / step) * step) > FINEST * np.abs(left)]
+        if not len(left):
+            coarse = np.sum(_last_digit(known, digits) > COARSER * rounding(known))
+            return digits if coarse >= DISTINCT else 0
     return 0
 
 

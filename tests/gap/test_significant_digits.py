@@ -58,6 +58,8 @@ def test_the_digits_of_a_log_are_read_off_it(run):
 def test_decimals_are_no_significant_digits():
     values = np.array([0.01, 0.5, 9.87, 12.34])
     np.testing.assert_allclose(last_steps(values, rounding(values), significant(values)), 0.01)
+    opening = np.append(np.arange(123, 1000) / 1000.0, 1.0)  # of 1.000 alone nobody knows how it was rounded
+    np.testing.assert_allclose(last_steps(opening, rounding(opening), significant(opening)), 0.001)
 
 
 @pytest.mark.parametrize("digits", [5, 6, 12])
