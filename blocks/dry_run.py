@@ -184,8 +184,8 @@ class _Trial:
 
     def run(self) -> None:
         """Try all there is to try."""
-        feeds = self.block.kernels.feeds
-        blind = set() if feeds is True else set(range(self.n_in)).difference(feeds or ())
+        kernels = self.block.kernels
+        blind = {i for i, follows in enumerate(kernels.follows(self.n_in)) if not follows}
         for d in self._memories():
             for start in range(self.block.kernels.n_events if self.name == "jump" else 1):
                 for t, x, u in self._situations():
@@ -194,7 +194,7 @@ class _Trial:
                     out = np.full(self.n_out, math.nan) if blank else given
                     arrays = self._call(t, x.copy(), d.copy(), u, out, blank)
                     if self.name == "out" and (seen := arrays["u"].read & blind):
-                        self._refuse(f"reads u[{min(seen)}], but feeds={feeds} says that it does not: "
+                        self._refuse(f"reads u[{min(seen)}], but feeds={kernels.feeds} says that it does not: "
                                      "an algebraic loop would be hidden")  # fmt: skip
                     if self.name == "zc" and self._looks_unasked(d, arrays["u"]):
                         self._refuse(f"looks at rates in mode {d[0]:g}, which is not among its rate_modes: add it")

@@ -67,6 +67,10 @@ class Kernels:
     jumps: bool = False
     linear: bool = False
 
+    def follows(self, inputs: int) -> list[bool]:
+        """Return for each of so many inputs whether outputs follow it at once."""
+        return [self.feeds if isinstance(self.feeds, bool) else i in self.feeds for i in range(inputs)]
+
     @property
     def shows_modes(self) -> bool:
         """Whether ``out`` reads modes or memories: then the outputs are right once the block has settled."""

@@ -13,7 +13,7 @@ calls them in Python, and ``run.in_python`` says how often, for how long and why
 Functions that read ``t`` are tried before a run, and bound its steps (see equations).
 
 An output counts as following the inputs at once if ``h`` mentions them, and in ``ct.interconnect`` those that reach
-it. The states start at 0 unless ``start={"name.state": ...}`` says otherwise. See also: equations (the same without
+it.  The states start at 0 unless ``start={"name.state": ...}`` says otherwise.  See also: equations (the same without
 python-control).
 """
 
@@ -115,8 +115,7 @@ def _follows(system: ct.InputOutputSystem) -> list[bool]:
     """Return for each input whether an output follows it at once."""
     n = system.ninputs or 0
     if isinstance(system, Block):
-        feeds = system.kernels.feeds
-        return [feeds if isinstance(feeds, bool) else j in feeds for j in range(n)]
+        return system.kernels.follows(n)
     if isinstance(system, ct.StateSpace):
         return [bool(column.any()) for column in system.D.T]
     if isinstance(system, ct.InterconnectedSystem):

@@ -138,10 +138,9 @@ def spans(blocks: Iterable[Block]) -> dict[str, tuple[float, float]]:
 
 def followed(block: Block) -> list[str]:
     """Return the signals on which a block's outputs depend at the same instant."""
-    feeds, labels = block.kernels.feeds, block.input_labels
-    if block.dead_time:
-        return []
-    return (list(labels) if feeds else []) if isinstance(feeds, bool) else [labels[i] for i in feeds]
+    labels = block.input_labels
+    follows = [False] * len(labels) if block.dead_time else block.kernels.follows(len(labels))
+    return [label for label, at_once in zip(labels, follows, strict=True) if at_once]
 
 
 def seen_followed(block: Block) -> list[str]:

@@ -8,7 +8,7 @@ from stickslip.gap.fits.straightness import deviation_of, sloping
 from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.records.given import Held
-from stickslip.gap.records.record import last_steps, rounding, significant
+from stickslip.gap.records.record import Digits, rounding
 from stickslip.logs.arrays import Values
 
 APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse, or a compression shows
@@ -67,14 +67,13 @@ def straightened(held: Held, seed: int, others: Sequence[Mapping[str, float]] = 
     # a valve takes what a controller gives, or a selector behind it: straight where the controller is calm
     to_valves = {str(s) for b in held.model.blocks if b.role is Role.VALVE for s in b.input_labels}
     for signal, values in zip(held.signals, held.Y.T, strict=True):
-        step, digits = rounding(values), significant(values)
-        own = sloping(values, last_steps(values, step, digits))
+        digits = Digits.of(values)
+        own = sloping(values, digits.steps(values))
         if signal in to_valves or signal in held.ops or own < STRAIGHT:
             continue
         for model in models:
             plain = without_gap(model, held.record, RUNS, seed + 1)  # what is coarse has straight lines of its own
-            lines = (sloping(log[signal], last_steps(log[signal], step, digits)) for log in plain)
-            usual = max(lines, default=1.0)
+            usual = max((sloping(log[signal], digits.steps(log[signal])) for log in plain), default=1.0)
             if usual >= ROUNDED or own < usual + STRAIGHT:
                 break
         else:

@@ -2,7 +2,7 @@
 
 import numpy as np
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.records.record import last_steps, rounding, significant
+from stickslip.gap.records.record import Digits
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values
 
@@ -45,16 +45,15 @@ def deviation_of(log: Log, effect: Effect, place: str, signal: str, values: Valu
 
     Equal neighbours count, so that more deviation is never less straight.
     """
-    step, digits = rounding(values), significant(values)
-    wanted = lined(values, last_steps(values, step, digits))
+    digits = Digits.of(values)
+    wanted = lined(values, digits.steps(values))
     low, high = (share * float(np.ptp(log[signal])) for share in (LEAST, MOST))
     for _ in range(ROUNDS):
         sizes = np.geomspace(low, high, SIZES)
         shares = []
         for size in sizes:
             made = effect.on_log(log, place, deviation=float(size))[signal]
-            steps = last_steps(made, step, digits)
-            shares.append(lined(np.round(made / steps) * steps if step else made, steps))
+            shares.append(lined(digits.rounded(made), digits.steps(made)))
         k = int(np.clip(np.searchsorted(np.maximum.accumulate(shares), wanted), 1, len(sizes) - 1))
         low, high = float(sizes[k - 1]), float(sizes[k])
     return float(np.sqrt(low * high))

@@ -16,7 +16,7 @@ from stickslip.gap.exact.scans import Scans, scans_of
 from stickslip.gap.likelihood.inputs import Doubt
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.model import Nuisance
-from stickslip.gap.records.record import last_steps, rounding, significant, switch_rows, switches
+from stickslip.gap.records.record import Digits, switch_rows, switches
 from stickslip.logs.arrays import Values
 
 NEAR = 4  # rows behind a switch that tell when it was
@@ -98,12 +98,14 @@ class Frame(Held):
         for j, s in enumerate(self.signals):
             known = self.Y[:, j][np.isfinite(self.Y[:, j])]
             computed = self.record.computed.get(s, 0.0)
-            step, digits = computed or rounding(known), 0 if computed else significant(known)
+            digits = Digits(computed) if computed else Digits.of(known)
             sensor = self.model.blocks[self.model.driven[s][0]].params
             stated = sensor.get("step", 0.0)
-            if 0.0 < stated < BELOW_NOISE * sensor.get("sd", 0.0) and math.isclose(step, stated, rel_tol=SAME_STEP):
-                step, digits = SEEN_FINER * stated, 0
-            found.append(np.maximum(last_steps(self.Y[:, j], step, digits) ** 2 / 12.0, self.computed[j]))
+            if 0.0 < stated < BELOW_NOISE * sensor.get("sd", 0.0) and math.isclose(
+                digits.step, stated, rel_tol=SAME_STEP
+            ):
+                digits = Digits(SEEN_FINER * stated)
+            found.append(np.maximum(digits.steps(self.Y[:, j]) ** 2 / 12.0, self.computed[j]))
         return np.stack(found, axis=1)
 
     @cached_property

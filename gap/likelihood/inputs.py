@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from stickslip.blocks.recorded import Recorded
-from stickslip.gap.records.record import Record, last_steps, rounding, significant, switch_rows, switches
+from stickslip.gap.records.record import Digits, Record, rounding, significant, switch_rows, switches
 from stickslip.logs.arrays import Values
 from stickslip.logs.normal import OF_SIZES, spread
 
@@ -38,7 +38,7 @@ class Doubt:
         phi, sd = np.ones(len(stops)), np.zeros(len(stops))
         fresh = np.diff(values, prepend=np.nan) != 0.0
         at_row = row_of >= 0
-        step = last_steps(values, self.step, significant(values) if self.step else 0)[np.maximum(row_of, 0)]
+        step = Digits(self.step, significant(values) if self.step else 0).steps(values)[np.maximum(row_of, 0)]
         new = at_row & fresh[np.maximum(row_of, 0)]
         phi[new], sd[new] = 0.0, step[new] / np.sqrt(12.0)
         if self.spread > 0.0:

@@ -83,13 +83,33 @@ def _last_digit(values: Values, digits: int) -> Values:
     return np.asarray(10.0 ** (exponents + 1 - digits))
 
 
-def last_steps(values: Values, step: float, digits: int) -> Values:
-    """Return to which step [their unit] values are rounded that have a number of decimals, or of significant digits.
+@dataclass(frozen=True)
+class Digits:
+    """How a log rounds a signal: to multiples of a ``step`` [its unit], 0 for none, and to ``significant`` digits, 0 for
+    decimals.
 
-    >>> last_steps(np.array([9.87654, 12.1436]), 1e-5, 6)
-    array([1.e-05, 1.e-04])
+    >>> np.round(Digits(1e-5, 6).steps(np.array([9.87654, 12.1436])), 6).tolist()
+    [1e-05, 0.0001]
     """
-    return np.maximum(step, _last_digit(values, digits)) if digits else np.full(values.shape, step)
+
+    step: float
+    significant: int = 0
+
+    @classmethod
+    def of(cls, values: ArrayLike) -> "Digits":
+        """Return how values have been rounded."""
+        return cls(rounding(values), significant(values))
+
+    def steps(self, values: Values) -> Values:
+        """Return to which step each value is rounded."""
+        if not self.significant:
+            return np.full(values.shape, self.step)
+        return np.maximum(self.step, _last_digit(values, self.significant))
+
+    def rounded(self, values: Values) -> Values:
+        """Return values as the log keeps them."""
+        steps = self.steps(values)
+        return np.asarray(np.round(values / steps) * steps) if self.step else values
 
 
 def spacing(values: ArrayLike) -> float:
@@ -218,18 +238,13 @@ class Record:
         return {s: float(self.known(s)[0]) for s in self.log.names if len(self.known(s))}
 
     @cached_property
-    def digits(self) -> dict[str, int]:
-        """Significant digits of each signal that the model drives, 0 where nothing is rounded."""
-        return {s: significant(self.known(s)) if step else 0 for s, step in self.steps.items()}
+    def digits(self) -> dict[str, Digits]:
+        """How the log rounds each signal that the model drives."""
+        return {s: Digits(step, significant(self.known(s)) if step else 0) for s, step in self.steps.items()}
 
     def rounded(self, values: dict[str, Values]) -> dict[str, Values]:
         """Return values of the pinned signals rounded as the log rounds them."""
-        found = dict(values)
-        for s, v in values.items():
-            if self.steps[s]:
-                step = last_steps(v, self.steps[s], self.digits[s])
-                found[s] = np.round(v / step) * step
-        return found
+        return {s: self.digits[s].rounded(v) for s, v in values.items()}
 
     def first_part(self, share: float) -> "Record":
         """Return the record up to a share of its rows."""

@@ -9,7 +9,7 @@ from stickslip.diagram import simulate, wire
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.hypothesis import Hypothesis
-from stickslip.gap.records.record import last_steps, rounding, significant
+from stickslip.gap.records.record import Digits, rounding, significant
 from stickslip.logs import Log
 
 ROWS = 1500
@@ -50,16 +50,16 @@ def written(run, digits):
 def test_the_digits_of_a_log_are_read_off_it(run):
     log = written(run, 6)
     assert significant(log["F_A"]) == 6 and rounding(log["F_A"]) == pytest.approx(1e-5)
-    steps = last_steps(log["F_A"], 1e-5, 6)
+    steps = Digits(1e-5, 6).steps(log["F_A"])
     assert set(np.round(steps, 9)) == {1e-5, 1e-4} and np.all((steps > 5e-5) == (log["F_A"] >= 10.0))
     assert significant(run["F_A"]) == 0, "all digits"
 
 
 def test_decimals_are_no_significant_digits():
     values = np.array([0.01, 0.5, 9.87, 12.34])
-    np.testing.assert_allclose(last_steps(values, rounding(values), significant(values)), 0.01)
+    np.testing.assert_allclose(Digits.of(values).steps(values), 0.01)
     opening = np.append(np.arange(123, 1000) / 1000.0, 1.0)  # of 1.000 alone nobody knows how it was rounded
-    np.testing.assert_allclose(last_steps(opening, rounding(opening), significant(opening)), 0.001)
+    np.testing.assert_allclose(Digits.of(opening).steps(opening), 0.001)
 
 
 @pytest.mark.parametrize("digits", [5, 6, 12])
