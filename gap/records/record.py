@@ -85,7 +85,7 @@ def _last_digit(values: Values, digits: int) -> Values:
 
 @dataclass(frozen=True)
 class Digits:
-    """How a log rounds a signal: to multiples of a ``step`` [its unit], 0 for none, and to ``significant`` digits, 0 for
+    """How a log rounds a signal: to multiples of a ``step`` [its unit], 0 for none; to ``significant`` digits, 0 for
     decimals.
 
     >>> np.round(Digits(1e-5, 6).steps(np.array([9.87654, 12.1436])), 6).tolist()
