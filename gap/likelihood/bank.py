@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.special import ndtri
 from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
@@ -12,6 +13,7 @@ from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of
 from stickslip.gap.likelihood.path import complain
 from stickslip.gap.likelihood.threads import go_on
+from stickslip.logs.arrays import Values
 
 DRAWN = 8  # times as many stems where each draws what the controllers give
 EARLY = 1e-6  # of a scan [s], by which a stop may come before it
@@ -39,7 +41,7 @@ def left_by_bank(
     b, c = p.diagram.block_index(one.effect.block(one.place)), p.component
     hidden = np.arange(c.memory[b], c.memory[b] + len(p.diagram.blocks[b].memory_names))
     rng = np.random.default_rng(SEED)
-    drawn = rng.standard_normal((len(times), count, len(p.noise)))
+    drawn = _even(rng, len(times), len(p.noise), count)
     dither, shares = rng.random((len(f.Y), count, len(f.signals))), rng.random(len(f.Y))
     e, losses = np.full(f.Y.shape, np.nan), np.zeros(len(f.Y))
     stood, came = np.zeros((len(times), count)), np.zeros((len(f.Y), count), dtype=np.int64)
@@ -54,6 +56,12 @@ def left_by_bank(
     complain(status)
     return Innovations(one, full, e, near.S, near.gains, near.kinks, near.turns, near=near, mixed=losses,
                        stem=likely_path(stood, came, row_of))  # fmt: skip
+
+
+def _even(rng: np.random.Generator, stops: int, noises: int, count: int) -> Values:
+    """Return normal numbers for stems, (stops, stems, noises): at each stop one in each of as many equal parts."""
+    parts = rng.permuted(np.broadcast_to(np.arange(count), (stops, noises, count)), axis=2)
+    return np.asarray(ndtri((parts + rng.random(parts.shape)) / count)).swapaxes(1, 2).copy()
 
 
 def _in_linear_loop(one: Hypothesis, values: Mapping[str, float], count: int) -> Innovations | None:
