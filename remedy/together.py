@@ -53,7 +53,7 @@ class Together:
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    backwards : whether the loops are the later time's;  scan : [s];  between : samples between two turns of OP
+    backwards : whether the loops are the later time's;  scan : [s];
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
@@ -66,7 +66,6 @@ class Pair:
         self._fits, days, self._backwards = (earlier, later), (*earlier.days, *later.days), backwards
         self._known, self._other = (later, earlier) if backwards else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
-        self.between = max(1, round(self._time / self.scan))
         at = np.array([self._values(one) for one in self._known.loops])
         little = np.array([*LITTLE[: at.shape[1] - 1], LITTLE[3]])
         self._middle, self._sure = np.median(at, axis=0), np.linalg.inv(np.cov(at.T) + np.diag(little**2))
@@ -90,19 +89,17 @@ class Pair:
         """What it gains to let a part differ [nats]."""
         return self.shared.cost - self.own[part].cost
 
-    def lefts(self, one: Together, own: bool = False) -> list[list[Floats]]:
-        """What the loops leave of PV in each record of each time, beside the flow of the valve at the mean OP.
+    def lefts(self, one: Together) -> list[list[Floats]]:
+        """What the loops leave of PV in each record of each time.
 
-        ``own``: the known time's by its own likeliest loop, which leaves least of what is not there.
+        The known time's by its own likeliest loop, which leaves least of what is not there.
         """
-        middle = float(np.mean([day.op.mean() for fit in self._fits for day in fit.days]))
         found = []
         for fit, loop, noise in zip(self._fits, one.loops, one.noises, strict=True):
-            loop = fit.found.loop if own and fit is self._known else loop
-            found.append([
-                day.pv[: path.shape[1]] - loop.K * (path[1] + (0.0 if loop.integrating else day.op[0] - middle))
-                for day, path in zip(fit.days, predicted(fit.days, loop, noise).shown, strict=True)
-            ])  # fmt: skip
+            loop = fit.found.loop if fit is self._known else loop
+            paths = predicted(fit.days, loop, noise).shown
+            both = zip(fit.days, paths, strict=True)
+            found.append([day.pv[: path.shape[1]] - loop.K * path[1] for day, path in both])
         return found
 
     def answers(self, lefts: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
