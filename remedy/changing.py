@@ -3,15 +3,15 @@
     valve, process      what it gains that this part alone differs from the loops of the other time (``together``), in
                         the mean of both ways round
     stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
-    controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i as read, over its standard deviation
-    noise, load, level  z^2 / 2,   the same of a spread, or a difference; blocks of the record tell its deviation
-    named               where the ratio is beyond what counts: from ``ENOUGH`` nats, or as many as ``FROM_FIT`` says;
-                        of valve and process the best one alone
+    controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i, read over the same rows, over its deviation
+    noise, load         z^2 / 2,   the same of a spread; blocks of the record tell its deviation, and how long it lasts
+    level               z^2 / 2,   the OP that it takes to hold PV, likewise; PV at another SP takes 1/K more
+    named               where the ratio is beyond what counts: from ``ENOUGH`` nats; of valve and process the best one
+                        alone
 
 What counts keeps out what is sure but small, and a fitted part needs more: no plant is the model's, so that another
 load makes another fit.  Noise, load and level are those that likely loops leave, changed or not: each has to show it.
-Not known: whether PV moves beside the flow of the valve by its sensor or by a load that stays; two changes of valve and
-process at once.
+Not known: whether OP goes for a sensor that is off or for a load that stays; two changes of valve and process at once.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from stickslip.remedy.together import PARTS, Pair, Together
 
 __all__ = ["changes", "lacks"]
 
-ENOUGH = 10.0  # nats
-FROM_FIT = {  # a part pays ln(rows)/2 for its value, as tempered nats; a law is read off without a fit
-    "controller_gain": 6.0, "controller_integral_time": 6.0, "disturbance": 15.0, **dict.fromkeys(PARTS, 20.0)
+ENOUGH = {  # nats; a part pays ln(rows)/2 for its value, as tempered nats, and a law is read off without a fit
+    "controller_gain": 6.0, "controller_integral_time": 6.0, "sensor_noise": 10.0, "sensor_drift": 10.0,
+    "disturbance": 15.0, **dict.fromkeys(PARTS, 20.0),
 }  # fmt: skip
 ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
 BLOCKS = 12  # of the records of a time
@@ -69,7 +69,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
         moved["stiction"] = math.copysign(BEYOND, later.sticks - 0.5)
         gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
-    best = "stiction" if apart and gains["stiction"] >= FROM_FIT["stiction"] else best  # each fit says so by itself
+    best = "stiction" if apart and gains["stiction"] >= ENOUGH["stiction"] else best  # each fit says so by itself
     likeliest = {part: surer[part].own[part] if part == best else surer[part].shared for part in PARTS}
     sizes = {part: _sizes(part, (earlier, later), one.loops) for part, one in likeliest.items()}
     if apart:
@@ -82,16 +82,17 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     scans = [fit.days[0].dt for fit in (earlier, later)]
     even = abs(scans[1] - scans[0]) <= 0.02 * scans[0]
     if even:
-        laws = _laws((earlier, later))
+        spans = {fit.controller.span for fit in (earlier, later)}
+        laws = [[_read(fit, span) for fit in (earlier, later)] for span in spans]
         for effect, unit in (("controller_gain", f"{op} per {pv}"), ("controller_integral_time", "s")):
-            read = [_controller(effect, each, unit) for each in laws]
-            found += [_least([one for one in read if one])] if all(read) else []
+            read = [one for each in laws if (one := _controller(effect, each, unit))]
+            found += [_least(read)] if len(read) == len(laws) else []
     else:
         apart_by = f"The logs have rows every {scans[0]:g} and {scans[1]:g} s"
         notes.append(f"{apart_by}, so that controller, noise and load are not compared.")
     may_be = [part for part in PARTS if gains[part] > max(gains[best] - ALIKE, 0.0) or (apart and part == "stiction")]
     likely = [(pair, pair.own[part]) for pair in pairs for part in may_be]
-    likely += [(pair, pair.shared) for pair in pairs if gains[best] < FROM_FIT[best]]
+    likely += [(pair, pair.shared) for pair in pairs if gains[best] < ENOUGH[best]]
     if even:
         found += [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=True)]
     found.append(_level_of((earlier, later), bool(hidden)))
@@ -105,15 +106,13 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     return Changes(tuple(one for one in surest if once[one.effect] is one), tuple(notes))
 
 
-def _set_points(earlier: LoopFit, later: LoopFit) -> list[str]:
+def _set_points(*fits: LoopFit) -> list[str]:
     """What is to be said where SP is moved more or less often: a habit, no change of the loop."""
-    moves, hours = [], []
-    for fit in (earlier, later):
-        moving = [np.diff(day.sp, prepend=day.sp[0]) != 0.0 for day in fit.days if day.sp is not None]
-        moves.append(sum(int(np.sum(one[1:] & ~one[:-1])) for one in moving))
-        hours.append(sum(len(one) for one in moving) * fit.days[0].dt / 3600.0)
-    if not min(hours):
+    given = [[day.sp for day in fit.days if day.sp is not None] for fit in fits]
+    if not all(given):
         return []
+    moves = [sum(int(np.sum(np.diff(np.flatnonzero(np.diff(sp)), prepend=-9) > 1)) for sp in own) for own in given]
+    hours = [fit.days[0].dt / 3600.0 * sum(map(len, own)) for fit, own in zip(fits, given, strict=True)]
     before, after = (n / h for n, h in zip(moves, hours, strict=True))
     unsure = math.sqrt(sum(max(n, 1) / h**2 for n, h in zip(moves, hours, strict=True)))
     said = f"SP is moved {after:.2g} times an hour, before {before:.2g}: another habit, which is no change of the loop."
@@ -143,7 +142,7 @@ def _change(
     ambiguous_with: tuple[str, ...] = (),
 ) -> Change:  # fmt: skip
     """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
-    nats, counts, enough = max(nats, 0.0), COUNTS[effect], FROM_FIT.get(effect, ENOUGH)
+    nats, counts, enough = max(nats, 0.0), COUNTS[effect], ENOUGH[effect]
     sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
     probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
@@ -183,39 +182,29 @@ def _value(part: str, one: Loop) -> float:
     }[part]  # fmt: skip
 
 
-def _laws(fits: Sequence[LoopFit]) -> list[list[Controller]]:
-    """The controllers of both times, read over the same rows: a law that is not the controller's reads otherwise."""
-    spans = {fit.controller.span for fit in fits}
-    return [[_read(fit, span) for fit in fits] for span in spans]
-
-
 def _read(fit: LoopFit, span: int) -> Controller:
-    """The controller of a time, read over ``span`` rows."""
+    """The controller of a time, read over ``span`` rows; one that is not quite its law reads otherwise over others."""
     law, main = fit.controller, max(fit.days, key=lambda day: len(day.op))
     return law if span == law.span else controller_of(main.op, main.pv, main.sp, main.dt, (law.low, law.high), (span,))
 
 
 def _controller(effect: str, laws: Sequence[Controller], unit: str) -> Change | None:
     """The change of K_p or T_i; None where there is no integral."""
-    key, variance = "K_p" if effect == "controller_gain" else "T_i", 1e-6
-    sizes: list[Size] = []
-    for law in laws:
-        value = abs(float(getattr(law, key)))
-        if not math.isfinite(value):
-            return None
-        low, high = sorted(abs(end) for end in law.spread(key))
-        sizes.append(Size(value, low, high))
-        variance += ((high - low) / (2.0 * Z90) / value) ** 2
-    before, after = (abs(float(getattr(law, key))) for law in laws)
-    by = math.log(after / before)
-    return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
+    key = "K_p" if effect == "controller_gain" else "T_i"
+    values = [abs(float(getattr(law, key))) for law in laws]
+    if not np.isfinite(values).all():
+        return None
+    ends = [sorted(abs(end) for end in law.spread(key)) for law in laws]
+    shares = [(high - low) / (2.0 * Z90) / value for value, (low, high) in zip(values, ends, strict=True)]
+    sizes = [Size(value, low, high) for value, (low, high) in zip(values, ends, strict=True)]
+    by = math.log(values[1] / values[0])
+    return _change(effect, sizes, by, 0.5 * by**2 / (sum(share**2 for share in shares) + 1e-6), unit)
 
 
 def _of_left(pair: Pair, likely: Together, unit: str) -> list[Change]:
     """Noise and load, by what these loops leave of PV."""
     before, after = (abs(one.K) + 1e-300 for one in likely.loops)
-    loads = pair.lefts(likely)
-    answers = pair.answers(loads)
+    loads, answers = pair.lefts(likely)
     least = MISSED**2 * max(float(np.mean(_fine(own))) for own in answers)
     fine = [np.maximum(_fine(own), least) for own in loads]
     roots = 1 + likely.loops[0].integrating
@@ -274,17 +263,14 @@ def _slow(
         squares, missed = (
             [[_ways(one, max(rows // part, 1), roots) ** 2 for one in own] for own in each] for each in (lefts, answers)
         )
-        least = max(0.1 * max(noises), MISSED**2 * max(_mean(own) for own in missed))
-        if min(_mean(own) for own in squares) > SEEN * (share * max(noises) + least):
+        far, answered = ([np.mean([np.mean(one) for one in own]) for own in each] for each in (squares, missed))
+        least = max(0.1 * max(noises), MISSED**2 * float(max(answered)))
+        if min(far) > SEEN * (share * max(noises) + least):
             break
     return [
         np.maximum([float(b.mean()) - share * noise for one in own for b in _blocks(one)], least)
         for own, noise in zip(squares, noises, strict=True)
     ]
-
-
-def _mean(squares: Sequence[Values]) -> float:
-    return float(np.mean([np.mean(one) for one in squares]))
 
 
 def _ways(one: Values, between: int, roots: int) -> Values:

@@ -89,25 +89,17 @@ class Pair:
         """What it gains to let a part differ [nats]."""
         return self.shared.cost - self.own[part].cost
 
-    def lefts(self, one: Together) -> list[list[Floats]]:
-        """What the loops leave of PV in each record of each time.
+    def lefts(self, one: Together) -> tuple[list[list[Floats]], list[list[Floats]]]:
+        """What the loops leave of PV in each record of each time, and the answers to the stem beside it.
 
         The known time's by its own likeliest loop, which leaves least of what is not there.
         """
-        found = []
+        lefts, answers = [], []
         for fit, loop, noise in zip(self._fits, one.loops, one.noises, strict=True):
             loop = fit.found.loop if fit is self._known else loop
-            paths = predicted(fit.days, loop, noise).shown
-            both = zip(fit.days, paths, strict=True)
-            found.append([day.pv[: path.shape[1]] - loop.K * path[1] for day, path in both])
-        return found
-
-    def answers(self, lefts: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
-        """The answers to the stem beside which this is left of PV."""
-        return [
-            [day.pv[: len(left)] - left for day, left in zip(fit.days, own, strict=True)]
-            for fit, own in zip(self._fits, lefts, strict=True)
-        ]
+            answers.append([loop.K * path[1] for path in predicted(fit.days, loop, noise).shown])
+            lefts.append([day.pv[: len(x)] - x for day, x in zip(fit.days, answers[-1], strict=True)])
+        return lefts, answers
 
     def _values(self, one: Loop) -> Floats:
         """All that a loop may differ in: its coordinates and the logarithm of its gain."""
