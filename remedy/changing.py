@@ -28,7 +28,7 @@ from stickslip.remedy.controller import Controller, controller_of
 from stickslip.remedy.left import free_of_line
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.process import Loop
-from stickslip.remedy.size import Size, size_of
+from stickslip.remedy.size import Size, size_of, widened
 from stickslip.remedy.together import PARTS, Pair, Together
 
 __all__ = ["changes", "lacks"]
@@ -60,14 +60,14 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     apart = earlier.sticks != later.sticks
     pairs = [Pair(earlier, later, back) for back in ((later.sticks,) if apart else (False, True))]
     surer = {part: max(pairs, key=lambda pair: pair.gain(part)) for part in PARTS}
-    hidden = earlier.closed and later.closed  # what moves PV then may be another load as well as another process
+    hidden = earlier.closed or later.closed  # what moves PV then may be another load as well as another process
     gains = {part: 0.0 if hidden else _both_ways(part, pairs, surer[part]) for part in PARTS}
     moved = {part: _moved(part, surer[part]) for part in PARTS}
     if hidden:
         notes.append(f"The process is not compared: {hidden}.")
     if apart:  # one that rests all along may be as likely as one that is gone
         moved["stiction"] = math.copysign(BEYOND, later.sticks - 0.5)
-        gains["stiction"] = max(gains["stiction"], _stick_at_one_time(earlier, later))
+        gains["stiction"] = max(pairs[0].gain("stiction"), _stick_at_one_time(earlier, later))
     best = max(gains, key=lambda part: gains[part])
     best = "stiction" if apart and gains["stiction"] >= ENOUGH["stiction"] else best  # each fit says so by itself
     likeliest = {part: surer[part].own[part] if part == best else surer[part].shared for part in PARTS}
@@ -95,7 +95,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     likely += [(pair, pair.shared) for pair in pairs if gains[best] < ENOUGH[best]]
     if even:
         found += [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=True)]
-    found.append(_level_of((earlier, later), bool(hidden)))
+    found.append(_level_of((earlier, later)))
     if not hidden and any(one.loops[0].integrating for _, one in likely):
         notes.append("The process integrates, so that a sensor that is off by a constant does not show.")
     if hidden:
@@ -212,23 +212,28 @@ def _of_left(pair: Pair, likely: Together, unit: str) -> list[Change]:
     return [_spread("sensor_noise", fine, unit), _spread("disturbance", slow, unit, math.log(after / before))]
 
 
-def _level_of(fits: Sequence[LoopFit], hidden: bool) -> Change:
+def _level_of(fits: Sequence[LoopFit]) -> Change:
     """What OP it takes to hold PV, with each gain of the process that may be.
 
     A gain that is not known is from ``LOOP`` over that of the controller on.  Behind an integrator no level of PV asks
-    for a flow, so that OP alone tells a load.
+    for a flow, so that OP alone tells a load.  A stem that sticks may stand up to S/2 beside OP.
     """
-    most, days = fits[1].controller.K_p / LOOP, [fit.days for fit in fits]
-    likely = [0.0 if one.integrating else 1.0 / (abs(one.K) + 1e-300) for fit in fits for one in fit.loops]
-    rates = np.minimum([0.0, math.inf] if hidden else likely, abs(most))
-    effect, alike = "sensor_drift", ("disturbance", "process_gain")[: 1 + hidden]
+    most, days, told = (
+        fits[1].controller.K_p / LOOP,
+        [fit.days for fit in fits],
+        [fit for fit in fits if not fit.closed],
+    )
+    likely = [0.0 if one.integrating else 1.0 / (abs(one.K) + 1e-300) for fit in told for one in fit.loops]
+    rates = np.clip(widened(np.minimum(likely or [0.0, math.inf], abs(most))), 0.0, abs(most))
+    effect, alike = "sensor_drift", ("disturbance", "process_gain")[: 1 + (not told)]
     if not rates.any():
         effect, alike = "disturbance", ()
     middle, ends = float(np.mean([day.pv.mean() for own in days for day in own])), np.percentile(rates, [5.0, 95.0])
     ways = [
         [[day.op - math.copysign(end, most) * (day.pv - middle) for day in own] for own in days] for end in ends
     ]  # fmt: skip
-    return _least([_level(effect, way, fits[1].op_unit, alike) for way in ways])
+    beside = max(0.5 * float(np.median(fit.each("S"))) for fit in fits)
+    return _least([_level(effect, way, fits[1].op_unit, alike, beside) for way in ways])
 
 
 def _least(found: Sequence[Change]) -> Change:
@@ -296,14 +301,17 @@ def _spread(effect: str, squares: Sequence[Values], unit: str, beside: float = 0
     return _change(effect, sizes, by, 0.5 * by**2 / variance, unit)
 
 
-def _level(effect: str, signals: Sequence[Sequence[Values]], unit: str, alike: tuple[str, ...]) -> Change:
-    """The change of a level; about a line at the later time, or a drift would count against itself."""
+def _level(
+    effect: str, signals: Sequence[Sequence[Values]], unit: str, alike: tuple[str, ...], beside: float
+) -> Change:
+    """The change of a level beyond ``beside``; later about a line, or a drift would count against itself."""
     blocks = [np.concatenate([[float(b.mean()) for b in _blocks(one)] for one in own]) for own in signals]
     before, after = (float(one.mean()) for one in blocks)
     unsure = _unsure([blocks[0] - before, free_of_line(blocks[1])[0]])
     rows = [np.concatenate(list(signals[0])), np.concatenate([free_of_line(one)[0] for one in signals[1]])]
     spread = math.sqrt(0.5 * sum(float(np.var(one)) for one in rows)) + 1e-300
-    by, nats = (after - before) / spread, 0.5 * (after - before) ** 2 / sum(unsure)
+    moved = math.copysign(max(abs(after - before) - beside, 0.0), after - before)
+    by, nats = moved / spread, 0.5 * moved**2 / (sum(unsure) + 1e-300)
     far = [Z90 * math.sqrt(own) for own in unsure]
     sizes = [Size(level, level - off, level + off) for level, off in zip((before, after), far, strict=True)]
     return _change(effect, sizes, by, nats, unit, True, alike)

@@ -123,11 +123,12 @@ def test_means_of_blocks_that_remember_are_less_sure():
     assert _unsure(list(half)) == pytest.approx([3.0 * np.var(half) / 8000.0] * 2, rel=0.05)
 
 
-def _time(op, sp, integrating=False):
+def _time(op, sp, hidden=False, integrating=False, S=0.0):
     noise = np.random.default_rng(round(op)).normal(size=1200)
     day = SimpleNamespace(op=op + 0.5 * noise, pv=sp + 0.1 * noise[::-1], sp=np.full(1200, sp), dt=1.0)
-    loops = (Loop(False, 0.0, 0.0, integrating, 2.0, 30.0, 5.0, 10.0),)
-    return SimpleNamespace(days=(day,), loops=loops, controller=SimpleNamespace(K_p=0.4), op_unit="%")
+    loops = (Loop(False, S, 0.0, integrating, 2.0, 30.0, 5.0, 10.0),)
+    law, each = SimpleNamespace(K_p=0.4), {"S": [S]}.__getitem__
+    return SimpleNamespace(days=(day,), loops=loops, controller=law, op_unit="%", closed=hidden, each=each)
 
 
 @pytest.mark.parametrize(
@@ -141,8 +142,13 @@ def _time(op, sp, integrating=False):
     ],
 )
 def test_more_op_for_the_same_pv_is_a_sensor_or_a_load(sp, hidden, integrating, effect, named):
-    found = _level_of((_time(40.0, 50.0, integrating), _time(45.0, sp, integrating)), hidden)
+    found = _level_of((_time(40.0, 50.0, hidden, integrating), _time(45.0, sp, hidden, integrating)))
     assert (found.effect, found.changed) == (effect, named)
+
+
+def test_a_stem_may_stand_half_its_dead_travel_beside_op():
+    assert _level_of((_time(40.0, 50.0, S=3.0), _time(45.0, 50.0, S=3.0))).changed
+    assert not _level_of((_time(40.0, 50.0, S=10.0), _time(45.0, 50.0, S=10.0))).changed
 
 
 def test_another_habit_of_set_points_is_said_and_no_change():
