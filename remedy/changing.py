@@ -35,7 +35,7 @@ __all__ = ["changes", "lacks"]
 
 ENOUGH = {  # nats; a part pays ln(rows)/2 for its value, as tempered nats, and a law is read off without a fit
     "controller_gain": 6.0, "controller_integral_time": 6.0, "sensor_noise": 10.0, "sensor_drift": 10.0,
-    "disturbance": 15.0, **dict.fromkeys(PARTS, 20.0),
+    "disturbance": 10.0, **dict.fromkeys(PARTS, 20.0),
 }  # fmt: skip
 ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
 BLOCKS = 12  # of the records of a time
