@@ -218,14 +218,11 @@ def _level_of(fits: Sequence[LoopFit]) -> Change:
     A gain that is not known is from ``LOOP`` over that of the controller on.  Behind an integrator no level of PV asks
     for a flow, so that OP alone tells a load.  A stem that sticks may stand up to S/2 beside OP.
     """
-    most, days, told = (
-        fits[1].controller.K_p / LOOP,
-        [fit.days for fit in fits],
-        [fit for fit in fits if not fit.closed],
-    )
-    likely = [0.0 if one.integrating else 1.0 / (abs(one.K) + 1e-300) for fit in told for one in fit.loops]
+    most, days = fits[1].controller.K_p / LOOP, [fit.days for fit in fits]
+    known = [fit for fit in fits if not fit.closed]
+    likely = [0.0 if one.integrating else 1.0 / (abs(one.K) + 1e-300) for fit in known for one in fit.loops]
     rates = np.clip(widened(np.minimum(likely or [0.0, math.inf], abs(most))), 0.0, abs(most))
-    effect, alike = "sensor_drift", ("disturbance", "process_gain")[: 1 + (not told)]
+    effect, alike = "sensor_drift", ("disturbance", "process_gain")[: 1 + (not known)]
     if not rates.any():
         effect, alike = "disturbance", ()
     middle, ends = float(np.mean([day.pv.mean() for own in days for day in own])), np.percentile(rates, [5.0, 95.0])
