@@ -18,7 +18,7 @@ from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 from stickslip.gap.likelihood.scores import score
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.sizes import sizes
-from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.likelihood.switches import most_by_switches, with_switches
 from stickslip.gap.likelihood.threads import in_threads
 from stickslip.logs.arrays import Values
 
@@ -28,6 +28,7 @@ SWITCHED = 8  # limits of a controller that are looked at with switches of their
 UNMOVED = 1e-6  # standard deviations to which an innovation is the same
 SPRINT = 3  # rounds of a fit there
 FIRST_SHARE, SHARE = 0.03, 0.15  # of the best gain, from which on first sizes and later ones go on
+FAINTER = 0.1  # of the best gain, that an effect has to have to be fitted
 WIDER, NARROWER = 1.3, 1.03  # factors by which a size is changed there, first and last
 FIRST_RUNS = 300_000  # for slopes of a first look: a far size may bend a loop at every stop, and tell nothing
 
@@ -78,10 +79,12 @@ def by_race(null: Fit, rough: Fit, hypotheses: Sequence[Hypothesis], progress: P
     others = [one for one in hypotheses if not _races(one)]
     raced = _raced(short, still, rough, racing, progress)
     found = [_as_candidate(alone, still, rough, one, best) for one, best in raced.items()]
-    return _ranked(
-        found
-        + _each(others, lambda one: _at_limits(null, one.of(whole)) if one.bends else _tried(rough, one), progress)
-    )
+    least = FAINTER * max((one.gain for one in found), default=0.0)
+
+    def look(one: Hypothesis) -> Candidate | None:
+        return _at_limits(null, one.of(whole), least) if one.bends else _tried(rough, one)
+
+    return _ranked(found + _each(others, look, progress))
 
 
 def _each(
@@ -125,8 +128,10 @@ def _races(one: Hypothesis) -> bool:
     return not (one.hides or one.bends or (one.effect is not None and is_load(one.effect)))
 
 
-def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
-    """Return the likeliest limit, each with a filter of its own: where it is met other gains hold; None if none is."""
+def _at_limits(null: Fit, one: Hypothesis, least: float = -math.inf) -> Candidate | None:
+    """Return the likeliest limit, each with a filter of its own: where it is met other gains hold; None if none is met,
+    or none can gain the ``least`` [nats].
+    """
     at = {key: null.best.values[key] for key in one.frame.free}
     still = tried(null.hypothesis, null.best.values, null.best)
     asked = [{**at, **size} for size in sizes(null, one)]
@@ -138,7 +143,11 @@ def _at_limits(null: Fit, one: Hypothesis) -> Candidate | None:
     for values, _ in met:  # the best comes early, and others are given up as soon as they are far behind
         ahead = tried(one, values, None, FIRST_RUNS, likely[0] if likely and several == 1 else None)
         likely = sorted([*likely, *([ahead] if ahead is not None else [])], key=_nll)
-    best = _likeliest(with_switches(x) for x in likely[:several])
+    best: Innovations | None = None
+    for x in likely[:several]:
+        most = null.nll - x.nll + most_by_switches(x)
+        if most >= least and (best is None or most > null.nll - best.nll):
+            best = _likeliest((best, with_switches(x)))
     if best is None:
         return None
     scored = score(null, best)

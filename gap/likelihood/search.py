@@ -10,7 +10,7 @@ from stickslip.diagram.progress import Progress
 from stickslip.gap.effects.stiction import SampledStiction, Stiction
 from stickslip.gap.fits.loads import is_load
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.likelihood.candidates import Candidate
+from stickslip.gap.likelihood.candidates import FAINTER, Candidate
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
@@ -31,7 +31,6 @@ BAND_NATS, BAND_SHARE = 3.0, 0.25  # that a play has to gain, or of the best gai
 AWAY, LATER = (1, 2, 4, 8, 16, 32), 1.0  # rows by which a time is moved, and nats that another must gain
 APPROACH = 4  # rounds of a fit with the gains of the model before it
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
-FAINTER = 0.1  # of the best score, that an effect has to have to be fitted
 SLOWER = 0.3  # of the best gain in a race, that an effect has to have to be fitted
 LAG_SHARE = 0.02  # of the best gain, by which a first fit may lag behind as well, where a race was needed
 CLEAN = 4.5  # largest check of a fit that leaves nothing unusual
@@ -90,20 +89,28 @@ def fitted(
     ``within``: the nll that first sizes of a stem have to come to, or it is not fitted; infinite where there is a gap.
     """
     first: tuple[Fit, ...] = ()
-    least = (SLOWER if raced else FAINTER) * max((c.gain for c in found if c.races), default=0.0)
-    # scores say little of what hides a mode; a stem that jumps begins with the one that does not
-    chosen = [c for c in found[:TRIED] if c.gain >= least or not c.races]
+    most = max((c.gain for c in found if c.races), default=0.0)
+    chosen = [c for c in found[:TRIED] if _promises(c, most, raced)]
     if null.hypothesis.frame.record.filter is None:  # a large diagram has too many stems, and their scores do say much
         chosen += [c for c in found[TRIED:] if c.hypothesis.sticks]
     for rank in range(3):  # a stem is fitted where nothing else is enough, one that jumps where one without gains
         alike = [c for c in chosen if _rank(c.hypothesis) == rank]
         fits = in_threads(partial(_first_fit, null, first, raced, within), alike, progress, "fits")
-        first = (*first, *(fit for fit in fits if fit is not None))
-    first = tuple(sorted(first, key=price))
+        first = tuple(sorted((*first, *(fit for fit in fits if fit is not None)), key=price))
+        if raced and rank == 0 and first:  # what is enough to the end leaves stems little to look for
+            first = (_ended(first[0]), *first[1:])
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
     ended = sorted(in_threads(lambda fit: settled_stem(fit) if fit.hypothesis.hides else _ended(fit), near), key=price)
     return _once(_in_phase_of_best(ended, lag))
+
+
+def _promises(one: Candidate, most: float, raced: bool) -> bool:
+    """Return whether a candidate may come near the one that gains ``most``; a score says little of stems and loads."""
+    effect = one.hypothesis.effect
+    if one.hypothesis.hides or (effect is not None and is_load(effect)):
+        return True
+    return one.gain >= (SLOWER if raced and one.races else FAINTER) * most
 
 
 def _once(found: Sequence[Fit]) -> list[Fit]:
@@ -157,7 +164,8 @@ def _first_fit(null: Fit, found: Sequence[Fit], raced: bool, within: float, one:
         band = next((f for f in found if _is_without_jump(f.hypothesis, mine)), None)
         most = max((null.nll - f.nll for f in found), default=0.0)
         if mine.nests and (band is None or null.nll - band.nll < max(BAND_NATS, BAND_SHARE * most)):
-            if not mine.cheap:  # what no play explains to some part a stem that jumps hardly ever explains
+            # what no play explains to some part a stem that jumps hardly ever explains
+            if not mine.cheap or (raced and _is_clean(found)):
                 return None
             band = None
         reach = min(within, _within_reach(null, found))
@@ -209,8 +217,13 @@ def _within_reach(null: Fit, found: Sequence[Fit]) -> float:
     best = min(found, key=price, default=None)
     if best is None or best.hypothesis.hides:
         return math.inf
-    clean = max(map(abs, checks(best.best).values())) <= CLEAN
-    return null.nll - (REACH if clean else FAR_REACH) * max(null.nll - best.nll, 0.0)
+    return null.nll - (REACH if _is_clean(found) else FAR_REACH) * max(null.nll - best.nll, 0.0)
+
+
+def _is_clean(found: Sequence[Fit]) -> bool:
+    """Return whether the best fit leaves nothing unusual."""
+    best = min(found, key=price, default=None)
+    return best is not None and max(map(abs, checks(best.best).values())) <= CLEAN
 
 
 def _is_without_jump(narrow: Hypothesis, wide: Hypothesis) -> bool:

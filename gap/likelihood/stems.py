@@ -9,20 +9,27 @@ A model without a stem has taken it for noise or a load, so these are fitted bef
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from stickslip.gap.effects.stiction import RestingStiction, SampledStiction, Stiction
 from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.inserted import percent_in
-from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.few_stems import FewStems, known_stem, on_path
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
+from stickslip.gap.likelihood.stem_trials import (
+    STEMS,
+    Bank,
+    asked_with,
+    nll_of,
+    sizes_of,
+    with_likelier_noise,
+    with_path,
+)
 from stickslip.gap.likelihood.switches import with_switches
 from stickslip.gap.likelihood.threads import in_threads
-from stickslip.logs.arrays import Values
 
 BETWEEN = 10  # draws of a noise from row to row, at most; one held over two scans is another, 250 nats off once
 SIZES = 10  # bands over their range, first
@@ -34,7 +41,7 @@ NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 4, 0.09  # places from which sizes are searched, and by how much their J/S differ at least
 OFTEN = 6  # times that sizes are changed by such a share, where each costs little
 STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
-FEW, STEMS, MOST_STEMS = 4, 12, 24  # of a bank while sizes are looked for, searched, and at the end
+FEW, MOST_STEMS = 4, 24  # of a bank while sizes are looked for, and at the end
 SURER = 3  # times as many at the end, where each costs little
 ROUNDS = 2  # of a fit of noise and loads
 SHOWS = 1.0  # nats that some band must gain over a stem that goes where OP sends it, with the same noise and gains
@@ -51,53 +58,6 @@ class StemFit(Fit):
     few: FewStems | None
 
 
-@dataclass(eq=False)
-class Bank:
-    """Trials of one stem with ``shared`` values of noise, loads, tolerances, and gains of the filter ``near``; ``few``
-    says what its stems lose, where that is made up.
-    """
-
-    one: Hypothesis
-    shared: dict[str, float]
-    near: Innovations
-    count: int = STEMS
-    trials: list[Innovations] = field(default_factory=list)
-    asked: dict[tuple[object, ...], Innovations | None] = field(default_factory=dict)
-    few: FewStems | None = None
-
-    def tried(self, size: dict[str, float], one: Hypothesis | None = None) -> Innovations | None:
-        """Return what a bank of these sizes leaves; None where they cannot be, a run fails, or others are far ahead."""
-        one = one or self.one
-        key = (self.count, type(one.effect), *(float(f"{value:.9g}") for value in size.values()))
-        if key not in self.asked:
-            self.asked[key] = self._tried(size, one)
-        return self.asked[key]
-
-    def _tried(self, size: dict[str, float], one: Hypothesis) -> Innovations | None:
-        assert one.effect is not None
-        if one.effect.rules(one.frame.model, one.place, size):
-            return None
-        try:
-            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count, self.best())
-        except ArithmeticError:
-            return None
-        if not math.isfinite(found.nll):
-            return None
-        if self.few is not None:
-            found = replace(found, charge=self.few.lost(self.one, self.count))
-        self.trials.append(found)
-        return found
-
-    def best(self) -> Innovations | None:
-        """Return the likeliest trial."""
-        return min(self.trials, key=_nll, default=None)
-
-    @property
-    def least(self) -> float:
-        """Negative logarithm of the likelihood of the likeliest trial [nats]."""
-        return min(map(_nll, self.trials))
-
-
 def fitted_stem(
     null: Fit, one: Hypothesis, without: Fit | None = None, within: float = math.inf, fairly: bool = True
 ) -> Fit | None:
@@ -109,25 +69,29 @@ def fitted_stem(
     one = one.of(replace(one.frame, draws=BETWEEN))
     few = FewStems(null, _without_band(one))
     banks = sorted(_looked_at(few, one, without, fairly), key=lambda bank: bank.least)
-    near = [bank for bank in banks if bank.least <= within]
-    fits = [_fitted_from(one, bank) for bank in (near if one.bare is not None else near[:1])]
+    # gains that know the path lose most of a stem that does not stick: no other is charged for it, but it may be one
+    lost = 0.0 if one.cheap or not fairly else few.lost(one, FEW)
+    near = [bank for bank in banks if bank.least + lost <= within]
+    fits = [_fitted_from(one, bank) for bank in (near if one.cheap else near[:1])]
     return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
 
 
 def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     """Return the fit of a stem from first sizes with the noise and gains of a bank."""
-    shared = bank.shared
     bank.count = STEMS
-    best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=_nll, default=None)
+    best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=nll_of, default=None)
     if best is None:
         return None
-    known = refined(known_stem(best).filtered(shared), tuple(one.frame.free), ROUNDS)
-    shared = {key: known.best.values[key] for key in one.frame.free}
-    last = _with_path(one, shared, best.stem, bank.few)
+    known = refined(known_stem(best).filtered(bank.shared), tuple(one.frame.free), ROUNDS)
+    # across runs a likely path is no known one: noise beside it is searched by the bank itself
+    shared = {key: known.best.values[key] for key in one.frame.free} if one.cheap else bank.shared
+    last = asked_with(bank, shared, best)
     if last is None:
         return None
-    _refined(last, best)
-    return _finished(last, known) if last.trials else None
+    if not one.cheap:
+        last = with_likelier_noise(last)
+    _refined(last, last.likeliest)
+    return _finished(last, known)
 
 
 def _looked_at(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool) -> list[Bank]:
@@ -136,16 +100,16 @@ def _looked_at(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
     """
     fitted = {key: (without or few.null).best.values[key] for key in one.frame.free}
-    both = without is None or one.bare is not None
+    both = without is None or one.cheap
     try:
         path = without.best.stem if without is not None else few.path(one)
     except ArithmeticError:
         return []
     starts = (fitted, dict(one.frame.stated)) if both else (fitted,)
-    made = [_with_path(one, shared, path, few if fairly else None, FEW) for shared in starts]
+    made = [with_path(one, shared, path, few if fairly and one.cheap else None, FEW) for shared in starts]
     banks = [bank for bank in made if bank is not None]
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
-    pairs = _pairs(one) if len(one.own) > 1 and one.bare is not None else []
+    pairs = _pairs(one) if len(one.own) > 1 and one.cheap else []
     first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
     in_threads(lambda trial: trial[0].tried(trial[1]), [(bank, size) for bank in banks for size in first])
     return [
@@ -192,23 +156,22 @@ def settled_stem(fit: Fit) -> Fit:
     found: list[Bank] = []
     switched = with_switches(on_path(one, best.stem).filtered(shared)).hypothesis.frame
     for frame in dict.fromkeys((one.frame, switched)):
-        bank = _with_path(one.of(frame), shared, best.stem, fit.few)
-        if bank is not None and bank.tried(_sizes(best)) is not None:
+        bank = with_path(one.of(frame), shared, best.stem, fit.few)
+        if bank is not None and bank.tried(sizes_of(best)) is not None:
             found.append(bank)
     if not found:
         return fit
     bank = min(found, key=lambda b: b.trials[0].nll)
-    for trial in sorted(fit.trials, key=_nll)[1:AGAIN]:
-        bank.tried(_sizes(trial))
+    for trial in sorted(fit.trials, key=nll_of)[1:AGAIN]:
+        bank.tried(sizes_of(trial))
     return replace(fit, best=_last(bank), trials=tuple(bank.trials))
 
 
 def _finished(bank: Bank, known: Fit) -> Fit:
     """Return the fit of the likeliest trial; ``known``: that of the rest with its path."""
-    best = bank.best()
-    assert best is not None
+    best = bank.likeliest
     aside = [
-        _moved(_sizes(best), k, way) for k in range(len(best.hypothesis.own)) for way in (1.0 - ASIDE, 1.0 + ASIDE)
+        _moved(sizes_of(best), k, way) for k in range(len(best.hypothesis.own)) for way in (1.0 - ASIDE, 1.0 + ASIDE)
     ]
     in_threads(lambda size: bank.tried(size, best.hypothesis), aside)
     last = _last(bank)
@@ -223,10 +186,9 @@ def _finished(bank: Bank, known: Fit) -> Fit:
 
 def _last(bank: Bank) -> Innovations:
     """Return the likeliest trial of a bank, asked again with more stems."""
-    best = bank.best()
-    assert best is not None
-    bank.count = MOST_STEMS * (SURER if bank.one.bare is not None else 1)
-    return bank.tried(_sizes(best), best.hypothesis) or best
+    best = bank.likeliest
+    bank.count = MOST_STEMS * (SURER if bank.one.cheap else 1)
+    return bank.tried(sizes_of(best), best.hypothesis) or best
 
 
 def _certainty(best: Innovations, trials: Sequence[Innovations]) -> tuple[tuple[str, ...], list[float]]:
@@ -264,7 +226,7 @@ def _range(one: Hypothesis) -> tuple[float, float]:
 def _starts(bank: Bank) -> list[Innovations]:
     """Return the likeliest trials whose jumps differ: the likelihood of a stem has more than one peak."""
     found: list[Innovations] = []
-    for trial in sorted(bank.trials, key=_nll):
+    for trial in sorted(bank.trials, key=nll_of):
         share = _share(trial)
         apart = all(abs(_share(one) - share) > APART for one in found)
         if len(found) < STARTS and apart and trial.nll < (found or [trial])[0].nll + LATE:
@@ -283,14 +245,14 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
 
     What gained once is tried again; the way back is tried once the other size has changed.
     """
-    best = bank.tried(_sizes(start), start.hypothesis) or start
+    best = bank.tried(sizes_of(start), start.hypothesis) or start
     for step in STEPS:
         ways: dict[int, tuple[float, ...]] = dict.fromkeys(range(len(bank.one.own)), (1.0 - step, 1.0 + step))
-        for _ in range(OFTEN if bank.one.bare is not None else 1):
+        for _ in range(OFTEN if bank.one.cheap else 1):
             before = best
             for k in ways:
                 for way in ways[k]:
-                    ahead = bank.tried(_moved(_sizes(best), k, way), best.hypothesis)
+                    ahead = bank.tried(_moved(sizes_of(best), k, way), best.hypothesis)
                     if ahead is not None and ahead.nll < best.nll:
                         best = ahead
                         ways = {i: (way,) if i == k else (1.0 - step, 1.0 + step) for i in ways}
@@ -299,7 +261,7 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
                 break
     if isinstance(bank.one.effect, Stiction) and best.values.get("J", 0.0) > 0.0:
         other = other_law(best.hypothesis)
-        ahead = bank.tried(_sizes(best), other)
+        ahead = bank.tried(sizes_of(best), other)
         if ahead is not None and ahead.nll < best.nll:
             best = ahead
     return best
@@ -323,21 +285,3 @@ def other_law(one: Hypothesis) -> Hypothesis:
     if type(one.effect) is not Stiction:
         return replace(one, effect=Stiction())
     return replace(one, effect=RestingStiction() if f.scanned else SampledStiction(f.record.log.dt))
-
-
-def _sizes(found: Innovations) -> dict[str, float]:
-    return {name: found.values[name] for name in found.hypothesis.own}
-
-
-def _with_path(
-    one: Hypothesis, shared: dict[str, float], path: Values | None, few: FewStems | None, count: int = STEMS
-) -> Bank | None:
-    """Return a bank whose gains are those of a filter that knows the path of the stem."""
-    try:
-        return Bank(one, shared, on_path(one, path).filtered(shared, joined=True), count, few=few)
-    except ArithmeticError:
-        return None
-
-
-def _nll(found: Innovations) -> float:
-    return found.nll

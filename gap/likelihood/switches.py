@@ -47,6 +47,17 @@ def with_switches(now: Innovations) -> Innovations:
     return now if best is now else _likelier(now, best.hypothesis.frame)
 
 
+def most_by_switches(now: Innovations) -> float:
+    """Return how many nats other switches can gain at most: rows behind them lose no more than half of all do then."""
+    frame = now.hypothesis.frame
+    lost = np.where(frame.counted, np.nan_to_num(now.losses), 0.0)
+    behind = np.zeros(len(lost), dtype=np.bool_)
+    for s in _switching(frame):
+        for k in switch_rows(frame.record.log, s):
+            behind[k : k + BEHIND] = True
+    return float(np.sum(np.maximum(lost[behind] - np.median(lost[frame.counted]), 0.0)))
+
+
 def _shows(now: Innovations, switching: Sequence[str]) -> bool:
     """Return whether rows behind switches are less likely than those before, as those of wrong instants are."""
     frame = now.hypothesis.frame

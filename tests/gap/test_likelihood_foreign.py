@@ -120,6 +120,16 @@ def test_noise_drags_a_stem_further_than_its_mean_does() -> None:
         assert np.nanmax(np.abs(own.e[one.frame.skipped :])) < 5.0
 
 
+def test_noise_beside_a_stem_is_what_its_bank_says() -> None:
+    # a filter along one likely path took 24 s for the load's 60 s, and with it a slower process for a second cause
+    (run,) = [one for one in trial.runs() if one.key.endswith("pump_flow/effect/deadband/662873949")]
+    model, log, true = modelled(run)
+    known = [effect("deadband"), effect("process_time_constant")]
+    (cause,) = diagnose(model, log, catalogue=known, limits=False, progress=False).causes
+    assert (cause.effect, cause.place) == ("deadband", "valve")
+    assert cause.parameters["width"].value == pytest.approx(100.0 * true["valve.S"], rel=0.05)
+
+
 def test_a_slower_lag_of_the_model_is_named() -> None:
     # the plant's positioner has another time constant; so has the model's, where a second lag would leave a gap
     run = next(one for one in trial.runs() if one.plant == "pump_flow" and one.effect == "positioner_lag")
