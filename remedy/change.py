@@ -18,7 +18,7 @@ _OF = {  # its place, the logarithm of a ratio that counts (of a level, its move
     "dead_time": ("process", 0.3, "The dead time"),
     "sensor_noise": ("sensor", 0.5, "The noise of the sensor"),
     "disturbance": ("load", 0.6, "The load"),
-    "sensor_drift": ("sensor", 1.0, "What PV shows beside the flow of the valve, by the sensor or a load that stays,"),
+    "sensor_drift": ("sensor", 1.0, "What OP it takes to hold PV, by the sensor or a load that stays,"),
 }
 PLACES = {effect: place for effect, (place, _, _) in _OF.items()}
 COUNTS = {effect: counts for effect, (_, counts, _) in _OF.items()}

@@ -14,6 +14,7 @@ Source: textbook, the velocity form (Astrom and Hagglund, Advanced PID Control, 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,7 @@ class Controller:
     K_p : signed, positive where OP falls with PV [unit of OP / unit of PV];  T_i, T_d, dt : [s];  T_i = inf: none
     K_p_sd, rate_sd : standard deviations of K_p and of K_p/T_i;  low, high : limits of OP [its unit]
     explained : share of OP's moves that the law tells;  T_f : of a first-order filter of PV [s]
+    span : rows over which it was read
     """
 
     K_p: float
@@ -51,6 +53,7 @@ class Controller:
     K_p_sd: float
     rate_sd: float
     T_f: float = 0.0
+    span: int = 0
 
     @property
     def form(self) -> str:
@@ -83,7 +86,9 @@ def limits_of(op: Values, span: tuple[float, float] | None) -> tuple[float, floa
     return ends[0] if rests[0] else found[0], ends[1] if rests[1] else found[1]
 
 
-def controller_of(op: Values, pv: Values, sp: Values | None, dt: float, limits: tuple[float, float]) -> Controller:
+def controller_of(
+    op: Values, pv: Values, sp: Values | None, dt: float, limits: tuple[float, float], spans: Sequence[int] = SPANS
+) -> Controller:
     """The law that OP (n,) follows on an even grid of ``dt`` [s]; its ``explained`` says how well.
 
     >>> e = np.random.default_rng(1).normal(size=500)
@@ -95,7 +100,7 @@ def controller_of(op: Values, pv: Values, sp: Values | None, dt: float, limits: 
     e = -pv if sp is None else sp - pv
     slope = np.concatenate([[0.0], np.diff(pv)]) / dt
     free = (op > limits[0]) & (op < limits[1])
-    found = [one for m in SPANS if 8 * m < len(op) if (one := _line(op, e, None, free, dt, m, sp))]
+    found = [one for m in spans if 8 * m < len(op) if (one := _line(op, e, None, free, dt, m, sp))]
     if not found:
         return Controller(math.nan, math.inf, 0.0, dt, *limits, 0.0, math.nan, math.nan)
     _, b, sd, explained, m, left = min(found, key=lambda one: one[0])
@@ -111,7 +116,7 @@ def controller_of(op: Values, pv: Values, sp: Values | None, dt: float, limits: 
     K_p, rate = float(b[0]), float(b[1])
     integrates = rate * K_p > 0.0 and abs(rate) > 3.0 * sd[1]
     return Controller(
-        K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, explained, float(sd[0]), float(sd[1]), T_f
+        K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, explained, float(sd[0]), float(sd[1]), T_f, m
     )
 
 

@@ -53,7 +53,7 @@ class Together:
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    backwards : whether the loops are the later time's;  scan : [s];  between : samples between two turns of OP
+    backwards : whether the loops are the later time's;  scan : [s];
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky
@@ -66,7 +66,6 @@ class Pair:
         self._fits, days, self._backwards = (earlier, later), (*earlier.days, *later.days), backwards
         self._known, self._other = (later, earlier) if backwards else (earlier, later)
         self._time, self.scan = half_wave(days), max(day.dt for day in days)
-        self.between = max(1, round(self._time / self.scan))
         at = np.array([self._values(one) for one in self._known.loops])
         little = np.array([*LITTLE[: at.shape[1] - 1], LITTLE[3]])
         self._middle, self._sure = np.median(at, axis=0), np.linalg.inv(np.cov(at.T) + np.diag(little**2))
@@ -90,27 +89,17 @@ class Pair:
         """What it gains to let a part differ [nats]."""
         return self.shared.cost - self.own[part].cost
 
-    def lefts(self, one: Together, own: bool = False) -> list[list[Floats]]:
-        """What the loops leave of PV in each record of each time, beside the flow of the valve at the mean OP.
+    def lefts(self, one: Together) -> tuple[list[list[Floats]], list[list[Floats]]]:
+        """What the loops leave of PV in each record of each time, and the answers to the stem beside it.
 
-        ``own``: the known time's by its own likeliest loop, which leaves least of what is not there.
+        The known time's by its own likeliest loop, which leaves least of what is not there.
         """
-        middle = float(np.mean([day.op.mean() for fit in self._fits for day in fit.days]))
-        found = []
+        lefts, answers = [], []
         for fit, loop, noise in zip(self._fits, one.loops, one.noises, strict=True):
-            loop = fit.found.loop if own and fit is self._known else loop
-            found.append([
-                day.pv[: path.shape[1]] - loop.K * (path[1] + (0.0 if loop.integrating else day.op[0] - middle))
-                for day, path in zip(fit.days, predicted(fit.days, loop, noise).shown, strict=True)
-            ])  # fmt: skip
-        return found
-
-    def answers(self, lefts: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
-        """The answers to the stem beside which this is left of PV."""
-        return [
-            [day.pv[: len(left)] - left for day, left in zip(fit.days, own, strict=True)]
-            for fit, own in zip(self._fits, lefts, strict=True)
-        ]
+            loop = fit.found.loop if fit is self._known else loop
+            answers.append([loop.K * path[1] for path in predicted(fit.days, loop, noise).shown])
+            lefts.append([day.pv[: len(x)] - x for day, x in zip(fit.days, answers[-1], strict=True)])
+        return lefts, answers
 
     def _values(self, one: Loop) -> Floats:
         """All that a loop may differ in: its coordinates and the logarithm of its gain."""

@@ -136,12 +136,17 @@ def without_model(
     """Say what a loop fitted to RUN lacks, or what has changed since EARLIER, and leave."""
     from stickslip.commands.fit import fitted
     from stickslip.logs.chances import chance
-    from stickslip.remedy import changes, lacks
+    from stickslip.remedy import FitError, changes, lacks
 
     if more or signals:
         raise ValueError("--html, --calibrate and --signal need a --model; give one, or leave them out")
-    found = fitted([run], form)
-    answer = lacks(found) if earlier is None else changes(fitted([earlier], form), found)
+    fits = []
+    for record in filter(None, (earlier, run)):
+        try:
+            fits.append(fitted([record], form))
+        except FitError as fault:
+            raise FitError(f"{record}: {fault}") from fault
+    answer = changes(*fits) if earlier else lacks(*fits)
     say = Speaker(json_file)
     say("GAP" if answer.gap else "NO GAP", fg="red" if answer.gap else "green", bold=True)
     for sentence in answer.words:

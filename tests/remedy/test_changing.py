@@ -6,9 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from stickslip.logs import LoopRecord
 from stickslip.remedy import changes, fit, lacks
-from stickslip.remedy.changing import _both_ways, _slow, _spread
+from stickslip.remedy.changing import _both_ways, _level_of, _set_points, _slow, _spread, _unsure
+from stickslip.remedy.controller import SPANS
 from stickslip.remedy.process import Loop
 from stickslip.remedy.together import PARTS, Pair, Together
 
@@ -94,8 +96,8 @@ def test_what_no_loop_tells_of_a_cycle_is_no_load():
     answer = 4.0 * np.sin(2.0 * np.pi * t / 90.0)
     load = 2.0 * np.sin(2.0 * np.pi * t / 700.0)
     (five, one), known = (0.05 * answer, 0.01 * answer), [[answer], [answer]]
-    assert _spread("disturbance", _slow([[five], [one]], known, 45, [1e-4, 1e-4]), "").nats < 0.1
-    assert _spread("disturbance", _slow([[five + load], [one + 3.0 * load]], known, 45, [1e-4, 1e-4]), "").changed
+    assert _spread("disturbance", _slow([[five], [one]], known, [1e-4, 1e-4]), "").nats < 0.1
+    assert _spread("disturbance", _slow([[five + load], [one + 3.0 * load]], known, [1e-4, 1e-4]), "").changed
 
 
 def test_a_retuned_controller_is_told_to_the_per_cent(plant, earlier):
@@ -104,6 +106,56 @@ def test_a_retuned_controller_is_told_to_the_per_cent(plant, earlier):
     assert (only.effect, only.place) == ("controller_gain", "controller")
     assert only.ratio.value == pytest.approx(0.8, rel=0.01)
     assert not changes(earlier, earlier).gap
+
+
+def test_a_law_that_reads_otherwise_over_other_rows_is_the_same_controller(earlier):
+    # a filtered derivative read K_p as 1.02 over 16 rows and as 3.2 over one, of the same controller
+    law = earlier.controller
+    other = replace(law, K_p=3.2 * law.K_p, span=next(span for span in SPANS if span != law.span))
+    assert not changes(earlier, replace(earlier, controller=other)).gap
+
+
+def test_means_of_blocks_that_remember_are_less_sure():
+    white = np.random.default_rng(1).normal(size=(2, 8000))
+    half = lfilter([1.0], [1.0, -0.5], white)  # of neighbours with a correlation of r = 1/2
+    # analytic: v / n, and v (1 + r) / (1 - r) / n
+    assert _unsure(list(white)) == pytest.approx([np.var(white) / 8000.0] * 2, rel=0.05)
+    assert _unsure(list(half)) == pytest.approx([3.0 * np.var(half) / 8000.0] * 2, rel=0.05)
+
+
+def _time(op, sp, hidden=False, integrating=False, S=0.0):
+    noise = np.random.default_rng(round(op)).normal(size=1200)
+    day = SimpleNamespace(op=op + 0.5 * noise, pv=sp + 0.1 * noise[::-1], sp=np.full(1200, sp), dt=1.0)
+    loops = (Loop(False, S, 0.0, integrating, 2.0, 30.0, 5.0, 10.0),)
+    law, each = SimpleNamespace(K_p=0.4), {"S": [S]}.__getitem__
+    return SimpleNamespace(days=(day,), loops=loops, controller=law, op_unit="%", closed=hidden, each=each)
+
+
+@pytest.mark.parametrize(
+    ("sp", "hidden", "integrating", "effect", "named"),
+    [
+        (50.0, False, False, "sensor_drift", True),
+        (60.0, False, False, "sensor_drift", False),  # K = 2: five more of OP for ten more of SP
+        (50.0, True, False, "sensor_drift", True),
+        (60.0, True, False, "sensor_drift", False),  # nobody knows what ten more of SP need
+        (60.0, False, True, "disturbance", True),  # no level needs a flow there
+    ],
+)
+def test_more_op_for_the_same_pv_is_a_sensor_or_a_load(sp, hidden, integrating, effect, named):
+    found = _level_of((_time(40.0, 50.0, hidden, integrating), _time(45.0, sp, hidden, integrating)))
+    assert (found.effect, found.changed) == (effect, named)
+
+
+def test_a_stem_may_stand_half_its_dead_travel_beside_op():
+    assert _level_of((_time(40.0, 50.0, S=3.0), _time(45.0, 50.0, S=3.0))).changed
+    assert not _level_of((_time(40.0, 50.0, S=10.0), _time(45.0, 50.0, S=10.0))).changed
+
+
+def test_another_habit_of_set_points_is_said_and_no_change():
+    still, moved = _time(40.0, 50.0), _time(40.0, 50.0)
+    moved.days[0].sp[100::100] = 55.0
+    (note,) = _set_points(still, moved)
+    assert "another habit" in note and _set_points(still, still) == []
 
 
 def test_a_coarser_log_of_the_same_loop_names_no_controller(plant, earlier):

@@ -181,6 +181,10 @@ def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
     assert set(found) == {"schema", "gap", "where", "causes", "ranking", "hints", "shrinkage"}
     gain = next(one for one in found["causes"] if one["effect"] == "controller_gain")
     assert gain["parameters"]["ratio"]["value"] == pytest.approx(0.5, rel=0.02)
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join((tmp_path / "earlier.csv").read_text().splitlines()[:50]))
+    refused = call("gap", tmp_path / "later.csv", "--fit", short, "--loop", "FIC1")
+    assert refused.exit_code == 2 and "short.csv: the record has" in refused.output  # which of the two it is
 
 
 def test_a_model_and_an_earlier_record_are_not_both_asked(call, written, model):
