@@ -20,12 +20,14 @@ from stickslip.logs.compiled import njit
 from stickslip.logs.normal import Z90
 
 __all__ = [
-    "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
+    "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "trusted",
+    "turns_of", "wandering", "whitened",
 ]  # fmt: skip
 
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
 NUGGETS = 12  # parts of a record, whose noise tells how surely it is known
 LEAST = 12  # rows of a record for each of its memory
+NU = 5.0  # degrees of freedom of errors: p(e) goes by (1 + e^2 / NU s^2)^-3
 FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
 
 
@@ -67,12 +69,24 @@ def _edges(rows: int) -> tuple[int, ...]:
     return tuple(edge for edge in EDGES if edge <= max(rows // LEAST, EDGES[4]))
 
 
-def past(v: Values) -> Values:
-    """The autoregression of v (rows,), (order,), by least squares."""
+def past(v: Values, before: Values | None = None) -> Values:
+    """The autoregression of v (rows,), (order,), by least squares; rows weigh as they do with the memory ``before``.
+
+    Else a few steps of the load make the memory of all rows, and a stem that tells these steps gains everywhere.
+    """
     seen, edges = _beside_past(v), _edges(len(v))
-    gram = seen.T @ seen
+    weight = np.ones(len(seen))
+    if before is not None:
+        e = whitened(v, before)
+        weight[-len(e) :] = trusted(e)
+    gram = (seen * weight[:, None]).T @ seen
     b = _solved(gram[1:, 1:], gram[0, 1:])
     return np.concatenate([np.full(j - i, one / (j - i)) for one, i, j in zip(b, edges, edges[1:], strict=False)])
+
+
+def trusted(e: Values) -> Values:
+    """The weights of errors (rows,) in least squares whose errors are Student's t of ``NU`` degrees of freedom."""
+    return np.asarray(1.0 / (1.0 + e * e / (NU * size(e) + 1e-300)))
 
 
 def _solved(gram: Values, right: Values) -> Values:
@@ -115,7 +129,8 @@ def wandering(v: Values, roots: int) -> Values:
     PV is held by the controller, what the load leaves without it is not: the memory of PV would be too short for it.
     Behind an integrator the load wanders twice: with one root, a stem that makes up for it seems to have no gain.
     """
-    a = past(np.diff(v, roots))
+    moves = np.diff(v, roots)
+    a = past(moves, past(moves))
     for _ in range(roots):
         a = np.append(a, 0.0) + np.append(1.0, -a)
     return np.asarray(a)
