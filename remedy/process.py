@@ -19,7 +19,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.logs.arrays import Values
-from stickslip.remedy.left import Left, free_of_line, left_of, past, size, trusted, wandering, whitened
+from stickslip.remedy.left import SHARE, Left, free_of_line, left_of, past, size, wandering, whitened
 
 __all__ = [
     "DRAWS", "Day", "Found", "Loop", "Predicted", "beside", "day_of", "fresh", "predicted", "profiled", "settled",
@@ -27,7 +27,6 @@ __all__ = [
 ]  # fmt: skip
 
 MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
-SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
 DRAWS = range(1, 9)  # of random numbers, beside 0 of the search
 QUIET = 0.002  # of PV's spread: noise below it is taken for none
@@ -178,12 +177,12 @@ def _answers(days: Sequence[Day], shown: Sequence[Values]) -> list[_Answer]:
     return [free_of_line(own[1].reshape(-1, day.q).mean(axis=1)) for own, day in zip(shown, days, strict=True)]
 
 
-def _noises(days: Sequence[Day], answers: Sequence[_Answer], K: float, pasts: Sequence[Values]) -> tuple[Left, ...]:
-    """What is left of each day behind the gain K; rows weigh as they do with the memories ``pasts``."""
+def _noises(days: Sequence[Day], answers: Sequence[_Answer], K: float) -> tuple[Left, ...]:
+    """What is left of each day behind the gain K."""
     noises = []
-    for (x, (c, d)), day, a in zip(answers, days, pasts, strict=True):
+    for (x, (c, d)), day in zip(answers, days, strict=True):
         v, line = day.free[0] - K * x, (day.free[1][0] - K * c, day.free[1][1] - K * d)
-        noises.append(left_of(v, line, past(v, a), SHARE))
+        noises.append(left_of(v, line, past(v), SHARE))
     return tuple(noises)
 
 
@@ -201,12 +200,11 @@ def settled(days: Sequence[Day], one: Loop, shown: Sequence[Values], rounds: int
             if np.ptp(x) <= 1e-9:  # a stem that never moves tells no gain
                 continue
             xw, yw = whitened(x, a), whitened(day.free[0], a)
-            e = yw - K * xw
-            weighed = trusted(e) / (size(e) + 1e-300) * xw
-            top += float(weighed @ yw)
-            bottom += float(weighed @ xw)
+            weight = 1.0 / (size(yw - K * xw) + 1e-300)
+            top += weight * float(xw @ yw)
+            bottom += weight * float(xw @ xw)
         K = way * max(way * top / bottom, 0.0)
-        noises = _noises(days, answers, K, pasts)
+        noises = _noises(days, answers, K)
         pasts = [noise.a for noise in noises]
     return replace(one, K=K), noises
 
@@ -219,7 +217,7 @@ def profiled(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int =
 
 def beside(days: Sequence[Day], one: Loop, noises: Sequence[Left], draw: int = 0) -> Found:
     """The loop as it is, with the noise that its likely path leaves; ``draw`` of the bank's random numbers."""
-    after = _noises(days, _answers(days, predicted(days, one, noises, draw).shown), one.K, [each.a for each in noises])
+    after = _noises(days, _answers(days, predicted(days, one, noises, draw).shown), one.K)
     return Found(one, after, predicted(days, one, after, draw).nll)
 
 
