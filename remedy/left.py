@@ -115,7 +115,7 @@ def paced(v: Values) -> float:
     e = np.clip(e, -CLIP * math.sqrt(size(e)), CLIP * math.sqrt(size(e)))
 
     def others(of: Values, pace: float) -> Values:
-        at = ((np.arange(n) / pace) % 1.0 * round(pace)).astype(int)
+        at = (np.arange(n) % pace).astype(int)
         return np.asarray((np.bincount(at, of)[at] - of) / np.maximum(np.bincount(at)[at] - 1, 1))
 
     smooth = np.convolve(e, [1.0] * 3, "same")
