@@ -111,7 +111,7 @@ def paced(v: Values) -> float:
     if first < 2:
         return 0.0
     rows = first + int(np.argmax(alike[first:]))
-    e, plain = _told(y, own)
+    e, plain = _left_by(y, own)
     e = np.clip(e, -CLIP * math.sqrt(size(e)), CLIP * math.sqrt(size(e)))
 
     def others(of: Values, pace: float) -> Values:
@@ -122,10 +122,10 @@ def paced(v: Values) -> float:
     paces = rows * (1.0 + np.linspace(-NEAR, NEAR, min(1 + 15 * n // rows, 400)))
     pace = max(paces, key=lambda each: float(others(smooth, each) @ smooth))
     waves = [np.roll(others(e, pace), k) for k in range(-2, 3)]
-    return _told(y, np.column_stack([own, *waves]))[1] - plain - 0.5 * (len(waves) + 1) * math.log(n)
+    return _left_by(y, np.column_stack([own, *waves]))[1] - plain - 0.5 * (len(waves) + 1) * math.log(n)
 
 
-def _told(y: Values, X: Values) -> tuple[Values, float]:
+def _left_by(y: Values, X: Values) -> tuple[Values, float]:
     """What X (rows, k) leaves of y (rows,) where errors are Student's t, and their likelihood [nats]."""
     weighed = X
     for _ in range(3):

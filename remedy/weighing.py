@@ -4,9 +4,10 @@
     z    = sum g_j / sqrt(m) s_g,   g_j the difference of the first two in each of m stretches, s_g its spread
 
 The stick is believed where it gains ``SURE`` nats, or ``GAIN`` where ``stickslip.detect.likelihood`` accuses too, and
-where z is that of 95 % by Student's t: what a burst of the load gains in one stretch is no stick.  Stretches count in
-which its stem moves: in the others only the memory of the load differs, which a stem that slips at bursts spares them.
+where z is that of 95 % by Student's t: what a burst of the load gains in one stretch is no stick.
 
+- Only stretches count for the gain in which the stem moves.  In the others the memory of the load alone differs: a stem
+  that slips with each burst of the load spares it the bursts.
 - The loop without stick is sought beside the processes that the stick has found as well.
 - The least of many tries is so by luck too: the stick's likelihood is that of other random numbers.
 - What a bent characteristic, another answer each way or a sensor with hysteresis gains over a straight line shows no
@@ -33,7 +34,7 @@ from stickslip.remedy.search import best_with, freed
 __all__ = ["Weighed", "weighed"]
 
 GAIN, SURE = 10.0, 20.0  # nats
-BLOCKS, SIDE = 20, 0.95  # stretches, and how surely their mean is above 0
+BLOCKS, EVERYWHERE = 20, 1.73  # stretches, and z that Student's t of 19 degrees of freedom passes once in 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,22 +60,17 @@ def weighed(days: Sequence[Day], without: Sequence[Found], evidence: Evidence | 
     """Seek the loops that stick, and weigh them against those ``without``; no ``evidence``: too little moves."""
     if evidence is None:
         return Weighed(0.0, False, False, without[0], without)
-    from scipy.special import stdtrit
-
     stuck = best_with(days, without, evidence.S)
     without = sorted([*without, *freed(days, stuck)], key=lambda one: one.nll)
     base, least = predicted(days, without[0].loop, without[0].noises).each, GAIN if evidence.accuses else SURE
     rivals = max(evidence.bends, 0.0) + max(sum(paced(day.free[0]) for day in days), 0.0)
     kinds: dict[bool, Weighed] = {}
     for kind, one in {one.loop.integrating: one for one in reversed(stuck)}.items():
-        each = fresh(days, one) - base
         paths = zip(predicted(days, one.loop, one.noises).shown, days, strict=True)
         moves = np.concatenate([np.diff(x, prepend=x[0]).reshape(-1, day.q).any(axis=1) for (x, _), day in paths])
-        stretches = zip(np.array_split(each, BLOCKS), np.array_split(moves, BLOCKS), strict=True)
-        moving = np.array([nats.sum() for nats, moved in stretches if moved.any()])
-        z = moving.sum() / (math.sqrt(len(moving)) * np.std(moving, ddof=1) + 1e-300) if len(moving) > 1 else 0.0
-        everywhere = bool(z >= stdtrit(max(len(moving) - 1, 1), SIDE))
-        gain = float(each.sum()) - rivals
+        blocks = np.array([block.sum() for block in np.array_split(fresh(days, one) - base, BLOCKS)])
+        everywhere = bool(blocks.sum() >= EVERYWHERE * math.sqrt(BLOCKS) * np.std(blocks, ddof=1))
+        gain = float(blocks @ [block.any() for block in np.array_split(moves, BLOCKS)]) - rivals
         kinds[kind] = Weighed(gain, everywhere, gain >= least and everywhere, without[0], without)
     best = max(kinds.values(), key=lambda each: (each.sticks, each.gain))
     starts = [one for one in stuck if kinds[one.loop.integrating].sticks]
