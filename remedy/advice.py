@@ -18,13 +18,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from stickslip.logs.shown import Shown
-from stickslip.remedy.controller import series
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.repair import FREE
 from stickslip.remedy.measures.setting import Situation
 from stickslip.remedy.size import Size, size_of, widened
-from stickslip.remedy.trial import NOTHING, UNSTABLE, Outcome, outcomes, settling
+from stickslip.remedy.trial import NOTHING, UNSTABLE, Floats, Outcome, outcomes, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -198,12 +197,11 @@ def _situation(fit: LoopFit) -> Situation:
     def middle(key: str) -> float:
         return float(np.median([abs(getattr(one, key)) for one in fit.loops]))
 
-    K_p, T_i, _ = series(fit.controller)
-    day = fit.days[0]
+    law, day = fit.controller, fit.days[0]
     e = day.pv - (np.mean(day.pv) if day.sp is None else day.sp)
     lag = middle("tau_2") + (0.0 if fit.best.integrating else middle("tau"))
     return Situation(
-        K_p, T_i, fit.controller.dt, middle("S"), middle("J"), middle("K"), lag,
+        law.K_p, law.T_i, law.dt, middle("S"), middle("J"), middle("K"), lag,
         middle("theta"), fit.noise_sd.value or 0.0, float(np.std(e)), fit.best.integrating, fit.K.value is not None,
         fit.op_unit, fit.pv_unit or "PV",
     )  # fmt: skip
@@ -213,6 +211,11 @@ def score(one: Outcome, none: Outcome) -> float:
     """The score of an outcome beside that of doing nothing, the median over all loops."""
     swing, travel = none.pv_sd + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
     return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
+
+
+def _share_below(x: float, values: Floats) -> float:
+    """The share of values (n,) below x, between two of them as percentiles have it."""
+    return float(np.interp(x, np.sort(values), np.linspace(0.0, 1.0, len(values))))
 
 
 def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> Advice:
@@ -237,7 +240,7 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     times = settling(fit, [best.setting for *_, best in chosen])
     tried = [
         Tried(
-            name, shutdown, not_for, best, score(best, none), float(np.mean(widened(best.pv_sd / none.pv_sd) < 1.0)),
+            name, shutdown, not_for, best, score(best, none), _share_below(1.0, widened(best.pv_sd / none.pv_sd)),
             size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
         for (name, shutdown, not_for, best), (sp, load) in zip(chosen, times, strict=True)

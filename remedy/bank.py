@@ -25,12 +25,11 @@ from typing import Any
 
 import numpy as np
 from stickslip.logs.compiled import njit
-from stickslip.remedy.left import turns_of
+from stickslip.remedy.left import NU, turns_of
 
 STEMS = 32
 EVEN = 0.5  # share of the stems that must count
 LOST = 5.0  # spreads by which even the best stem misses
-NU = 5.0  # degrees of freedom: p(e) goes by (1 + e^2 / NU s^2)^-3
 NORMAL = math.lgamma(0.5 * (NU + 1.0)) - math.lgamma(0.5 * NU) - 0.5 * math.log(NU * math.pi)
 
 

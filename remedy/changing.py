@@ -132,7 +132,7 @@ def _sizes(part: str, fits: Sequence[LoopFit], loops: Sequence[Loop]) -> list[Si
     """A part at both times as the likely ``loops`` have it, with the interval of each time's own fit about it."""
     found = []
     for fit, one in zip(fits, loops, strict=True):
-        own, value = size_of(np.array([_value(part, each) for each in fit.loops]), least=0.0), _value(part, one)
+        own, value = size_of(np.array([_value(part, each) for each in fit.loops]), zero=True), _value(part, one)
         found.append(Size(value, min(own.low or 0.0, value), max(own.high or 0.0, value)))
     return found
 

@@ -7,7 +7,8 @@ That is the law whose integral takes in the error of the last scan.  One that ta
 with other numbers: K_p and T_i of that one read as K_p (1 + dt/T_i) and T_i + dt.
 A line through all rows in which OP stands at no limit; m is chosen so that K_p and K_p/T_i are known best: short
 spans suit a log of every scan, long ones a log that is rounded or coarser than the scan.  Without SP its level is one
-more unknown.  A derivative, or a first-order filter of PV in its place, is taken where it leaves a tenth less.
+more unknown.  A derivative, a first-order filter of PV, or both, are taken where they leave a tenth less.  A filter of
+the derivative alone, K_p (1 + 1/(T_i s) + T_d s/(T_f s + 1)), is a filter of all: K_p (1 + T_f/T_i), T_i + T_f.
 Source: textbook, the velocity form (Astrom and Hagglund, Advanced PID Control, 2006, section 3.6).
 """
 
@@ -62,10 +63,11 @@ class Controller:
 
     @property
     def present(self) -> tuple[float, float]:
-        """K_p and T_i of the same law whose integral takes in the present error."""
-        if not self.T_i > self.dt:
+        """K_p and T_i of the same law whose integral takes in the present error, a filter its derivative alone."""
+        late = self.dt + (self.dt / math.expm1(self.dt / self.T_f) if self.T_f > 0.0 and self.T_d > 0.0 else 0.0)
+        if not self.T_i > late:
             return self.K_p, self.T_i
-        return self.K_p * (1.0 - self.dt / self.T_i), self.T_i - self.dt
+        return self.K_p * (1.0 - late / self.T_i), self.T_i - late
 
     def spread(self, key: str) -> tuple[float, float]:
         """The 90 % interval of K_p or T_i, whose upper end is infinite for a law without an integral."""
@@ -98,21 +100,18 @@ def controller_of(
     (2.0, 10.0, 'PI')
     """
     e = -pv if sp is None else sp - pv
-    slope = np.concatenate([[0.0], np.diff(pv)]) / dt
     free = (op > limits[0]) & (op < limits[1])
     found = [one for m in spans if 8 * m < len(op) if (one := _line(op, e, None, free, dt, m, sp))]
     if not found:
         return Controller(math.nan, math.inf, 0.0, dt, *limits, 0.0, math.nan, math.nan)
     _, b, sd, explained, m, left = min(found, key=lambda one: one[0])
     T_d = T_f = 0.0
-    more = _line(op, e, slope, free, dt, m, sp)
-    if more and more[5] < LESS * left and more[1][2] * more[1][0] < 0.0:
-        _, b, sd, explained, _, left = more
-        T_d = float(-b[2] / b[0])
-    smooth, late = _filtered(op, pv, free, dt, m, sp) if explained < EXACT else (None, 0.0)
-    if smooth and smooth[5] < LESS * left:
-        _, b, sd, explained, _, _ = smooth
-        T_d, T_f = 0.0, late
+    forms = [(False, True), (True, False), (True, True)] if explained < EXACT else []  # a filter of PV, a derivative
+    for smooth, derivative in forms:
+        law, late = _late(op, pv, free, dt, m, sp, smooth, derivative)
+        if law and law[5] < LESS * left and not (derivative and law[1][2] * law[1][0] >= 0.0):
+            _, b, sd, explained, _, left = law
+            T_d, T_f = float(-b[2] / b[0]) if derivative else 0.0, late
     K_p, rate = float(b[0]), float(b[1])
     integrates = rate * K_p > 0.0 and abs(rate) > 3.0 * sd[1]
     return Controller(
@@ -123,25 +122,27 @@ def controller_of(
 _Line = tuple[float, Values, Values, float, int, float]
 
 
-def _filtered(
-    op: Values, pv: Values, free: NDArray[np.bool_], dt: float, m: int, sp: Values | None
+def _late(
+    op: Values, pv: Values, free: NDArray[np.bool_], dt: float, m: int, sp: Values | None, smooth: bool, slopes: bool
 ) -> tuple[_Line | None, float]:
-    """The law behind the filter of PV that leaves least, and the filter's time constant [s]."""
+    """The law with a derivative (``slopes``) or not, behind the filter of PV that leaves least; its time constant."""
     from scipy.optimize import minimize_scalar
     from scipy.signal import lfilter
 
-    def law(log: float) -> _Line | None:
-        a = math.exp(-1.0 / math.exp(log))
+    def law(a: float) -> _Line | None:
         y = np.asarray(lfilter([1.0 - a], [1.0, -a], pv - pv[0])) + pv[0]
-        return _line(op, -y if sp is None else sp - y, None, free, dt, m, sp)
+        slope = np.concatenate([[0.0], np.diff(y)]) / dt if slopes else None
+        return _line(op, -y if sp is None else sp - y, slope, free, dt, m, sp)
 
     def left(log: float) -> float:
-        found = law(log)
+        found = law(math.exp(-1.0 / math.exp(log)))
         return found[5] if found else math.inf
 
+    if not smooth:
+        return law(0.0), 0.0
     start = math.log(min(FILTERS, key=lambda rows: left(math.log(rows))))
-    best = float(minimize_scalar(left, bounds=(start - 0.8, start + 0.8), method="bounded").x)
-    return law(best), math.exp(best) * dt
+    rows = math.exp(float(minimize_scalar(left, bounds=(start - 0.8, start + 0.8), method="bounded").x))
+    return law(math.exp(-1.0 / rows)), rows * dt
 
 
 def _line(

@@ -79,8 +79,10 @@ def fit(
     if 1.0 - law.present[0] / law.K_p > FORMS:
         K_p, T_i = law.present
         notes.append(
-            f"K_p and T_i are those of a controller whose integral takes in the error of the scan before. With the "
-            f"present error they are {K_p:.3g} and {T_i:.3g} s; the log does not tell which it is."
+            "K_p and T_i are those of a controller whose integral takes in the error of the scan before"
+            f"{' and whose filter is of all PV' * (law.T_d * law.T_f > 0.0)}. With the present error"
+            f"{' and a filter of the derivative' * (law.T_d * law.T_f > 0.0)} they are {K_p:.3g} and {T_i:.3g} s; "
+            "the log does not tell which it is."
         )
     if law.explained < 0.9:
         notes.append(f"The PI law tells {100 * law.explained:.0f} % of how OP moves; settings are as unsure.")
@@ -96,6 +98,12 @@ def fit(
     progress("drawing loops that are about as likely")
     best, likely = population_of(days, seen.starts, seed)
     notes += [seen.note] * bool(seen.note)
+    lags = best.loop.tau + best.loop.tau_2 + best.loop.theta
+    if seen.sticks and not best.loop.integrating and lags < main.dt:
+        notes.append(
+            f"The process answers within a row ({lags:.2g} of {main.dt:.3g} s), so that sizes may be farther off than "
+            "their intervals say; log at the controller's scan."
+        )
     paths = [predicted(days, one, best.noises).shown for one in likely]
     lefts = tuple(
         tuple(day.pv[: own.shape[1]] - one.K * own[1] for own, day in zip(path, days, strict=True))

@@ -20,11 +20,14 @@ from stickslip.logs.compiled import njit
 from stickslip.logs.normal import Z90
 
 __all__ = [
-    "Left", "excitation", "free_of_line", "left_of", "nugget", "past", "size", "turns_of", "wandering", "whitened",
+    "Left", "excitation", "free_of_line", "left_of", "nugget", "paced", "past", "size", "turns_of", "wandering",
+    "whitened",
 ]  # fmt: skip
 
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
 NUGGETS = 12  # parts of a record, whose noise tells how surely it is known
+WAVES, NEAR, CLIP = 5, 0.06, 6.0  # waves at least; share of a pace; spreads of errors
+NU, SHARE = 5.0, 0.6  # of Student's t: p(e) goes by (1 + e^2 / NU s^2)^-3, and s^2 is that of the errors' variance
 LEAST = 12  # rows of a record for each of its memory
 FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
 
@@ -91,6 +94,45 @@ def excitation(y: Values, x: Values) -> float:
         gram[0, 0] - gram[0, 1:k] @ _solved(gram[1:k, 1:k], gram[0, 1:k]) for k in (own.shape[1], len(gram))
     ]  # fmt: skip
     return float(0.5 * len(own) * math.log(left[0] / left[1]) - 0.5 * other.shape[1] * math.log(len(own)))
+
+
+def paced(v: Values) -> float:
+    """What the errors of v (rows,) in all other waves tell of one wave, if waves come at a steady pace [nats].
+
+        v_t = sum_k a_k v_(t-k) + sum_k b_k m_(t+k) + e_t,   m_t the mean error at the phase of t in the other waves
+
+    less ln(n)/2 for the pace and each b; the pace is where v is most like itself again, made better within ``NEAR``.
+    """
+    seen = _beside_past(v)
+    y, own = seen[:, 0], seen[:, 1:]
+    n, z = len(y), y - y.mean()
+    alike = np.fft.irfft(np.abs(np.fft.rfft(z, 2 * n)) ** 2)[: n // WAVES] / np.arange(n, n - n // WAVES, -1)
+    first = int(np.argmax(alike < 0.0))
+    if first < 2:
+        return 0.0
+    rows = first + int(np.argmax(alike[first:]))
+    e, plain = _left_by(y, own)
+    e = np.clip(e, -CLIP * math.sqrt(size(e)), CLIP * math.sqrt(size(e)))
+
+    def others(of: Values, pace: float) -> Values:
+        at = (np.arange(n) % pace).astype(int)
+        return np.asarray((np.bincount(at, of)[at] - of) / np.maximum(np.bincount(at)[at] - 1, 1))
+
+    smooth = np.convolve(e, [1.0] * 3, "same")
+    paces = rows * (1.0 + np.linspace(-NEAR, NEAR, min(1 + 15 * n // rows, 400)))
+    pace = max(paces, key=lambda each: float(others(smooth, each) @ smooth))
+    waves = [np.roll(others(e, pace), k) for k in range(-2, 3)]
+    return _left_by(y, np.column_stack([own, *waves]))[1] - plain - 0.5 * (len(waves) + 1) * math.log(n)
+
+
+def _left_by(y: Values, X: Values) -> tuple[Values, float]:
+    """What X (rows, k) leaves of y (rows,) where errors are Student's t, and their likelihood [nats]."""
+    weighed = X
+    for _ in range(3):
+        e = y - X @ _solved(weighed.T @ X, weighed.T @ y)
+        s = SHARE * size(e) + 1e-300
+        weighed = X / (1.0 + e**2 / (NU * s))[:, None]
+    return e, -0.5 * (NU + 1.0) * float(np.log1p(e**2 / (NU * s)).sum()) - 0.5 * len(e) * math.log(s)
 
 
 def nugget(v: Values) -> Values:

@@ -147,7 +147,8 @@ class LoopFit(Shown):
         if not self.sticks:
             return self.S
         J = self.each("J")
-        return size_of(J, self._only_product("J") if _ratio(J) > WIDE and self.best.J > 0.1 * self.best.S else "")
+        why = self._only_product("J") if _ratio(J) > WIDE and self.best.J > 0.1 * self.best.S else ""
+        return size_of(J, why, zero=True)
 
     @cached_property
     def K(self) -> Size:
@@ -162,7 +163,7 @@ class LoopFit(Shown):
     def KJ(self) -> Size:
         """How far PV goes after a slip, K J [unit of PV]: known where K and J alone are not."""
         if self.sticks:
-            return size_of(self.each("K") * self.each("J"))
+            return size_of(self.each("K") * self.each("J"), zero=True)
         return self.S if self.S.value is None else Size(0.0, 0.0, None)  # what S may be at most is of OP
 
     def _only_product(self, key: str) -> str:
@@ -191,7 +192,7 @@ class LoopFit(Shown):
 
     def _lag(self, key: str, why: str = "") -> Size:
         why = self.closed or why
-        return Size(None, None, None, why) if why else size_of(self.each(key), least=None if key == "tau" else 0.0)
+        return Size(None, None, None, why) if why else size_of(self.each(key), zero=key != "tau")
 
     @cached_property
     def _noise(self) -> Values:
@@ -240,7 +241,8 @@ class LoopFit(Shown):
             },
             "process": {
                 "K": self.K.to_dict(), "KJ": self.KJ.to_dict(), "tau": self.tau.to_dict(),
-                "tau_2": self.tau_2.to_dict(), "theta": self.theta.to_dict(), "integrating": self.best.integrating,
+                "tau_2": self.tau_2.to_dict(), "theta": self.theta.to_dict(),
+                "integrating": None if self.closed else self.best.integrating,
             },
             "load_sd": self.load_sd.to_dict(), "noise_sd": self.noise_sd.to_dict(),
             "one_step_error": self.one_step_error, "free_error": self.free_error,

@@ -19,7 +19,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from stickslip.detect.likelihood.rows import rows_of
 from stickslip.logs.arrays import Values
-from stickslip.remedy.left import Left, free_of_line, left_of, past, size, wandering, whitened
+from stickslip.remedy.left import SHARE, Left, free_of_line, left_of, past, size, wandering, whitened
 
 __all__ = [
     "DRAWS", "Day", "Found", "Loop", "Predicted", "beside", "day_of", "fresh", "predicted", "profiled", "settled",
@@ -27,7 +27,6 @@ __all__ = [
 ]  # fmt: skip
 
 MOST, FEW = 7_200, 2_400  # rows that a likelihood looks at, and a search for where to begin
-SHARE = 0.6  # of the variance of errors, that is the square of their spread as Student's t has it
 HEAVY = 3.0  # degrees of freedom of breakaways: some are far from the others
 DRAWS = range(1, 9)  # of random numbers, beside 0 of the search
 QUIET = 0.002  # of PV's spread: noise below it is taken for none

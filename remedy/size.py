@@ -40,28 +40,29 @@ class Size:
         return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
 
 
-def widened(values: Floats, least: float | None = None) -> Floats:
+def widened(values: Floats, zero: bool = False) -> Floats:
     """Values (n,) ``WIDER`` times as far from their median, in logarithms where all have one sign; inf stays.
 
-    Not in logarithms where there is a ``least`` value, which may be 0.
+    Not in logarithms where they may be ``zero`` or some are.  Values of one sign keep it.
     """
     known = np.isfinite(values)
     if not known.any():
         return values
     middle, found = float(np.median(values[known])), values.astype(float)
-    if least is None and np.all(values[known] * middle > 0.0):
+    if not zero and np.all(values[known] * middle > 0.0):
         found[known] = middle * (values[known] / middle) ** WIDER
-    else:
-        found[known] = np.maximum(middle + WIDER * (values[known] - middle), -math.inf if least is None else least)
-    return found
+        return found
+    found[known] = middle + WIDER * (values[known] - middle)
+    least, most = float(np.min(values[known])), float(np.max(values[known]))
+    return np.clip(found, 0.0 if least >= 0.0 else -math.inf, 0.0 if most <= 0.0 else math.inf)
 
 
-def size_of(values: Floats, reason: str = "", endless: str = "", least: float | None = None) -> Size:
+def size_of(values: Floats, reason: str = "", endless: str = "", zero: bool = False) -> Size:
     """Median and 90 % interval of a population (n,), widened; with a ``reason``, the interval alone.
 
-    ``endless`` : the reason where half of the values or more are infinite;  ``least`` : as ``widened`` takes it
+    ``endless`` : the reason where half of the values or more are infinite;  ``zero`` : as ``widened`` takes it
     """
-    values = widened(values, least)
+    values = widened(values, zero)
     way: Any = "linear" if np.isfinite(values).all() else "nearest"
     low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
     reason = reason or (endless if math.isinf(middle) else "")

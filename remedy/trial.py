@@ -107,10 +107,11 @@ def _blocks(fit: LoopFit, one: Loop) -> list[Block]:
 
 def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
     """All parameters of the loop with a setting."""
-    factors, stick = setting.factors, setting.factors.get("stick", 1.0)
+    factors, law, stick = setting.factors, fit.controller, setting.factors.get("stick", 1.0)
+    K_p, T_i = (factors.get(f"controller.{key}", 1.0) * getattr(law, key) for key in ("K_p", "T_i"))
+    fit = replace(fit, controller=replace(law, K_p=K_p, T_i=T_i))
     blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
-    own = {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
-    return {key: value * factors.get(key, 1.0) for key, value in own.items()} | dict(setting.params)
+    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()} | setting.params
 
 
 def _run(

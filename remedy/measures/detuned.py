@@ -6,6 +6,8 @@
 Source: D. E. Rivera, M. Morari, S. Skogestad, Ind. Eng. Chem. Process Des. Dev. 25 (1986) 252-265.
 """
 
+import math
+
 from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "lambda tuning"
@@ -25,9 +27,10 @@ def settings(at: Situation) -> list[Setting]:
             K_p = T_i / (at.K * (wanted + at.theta) ** 2)
         else:
             T_i, K_p = at.lag, at.lag / (at.K * (wanted + at.theta + 0.5 * at.dt))
+        own = math.copysign(K_p, at.K_p)
         found.append(
             Setting(
-                f"K_p {K_p:.3g}, T_i {T_i:.3g} s (lambda {wanted:.3g} s)", {"K_p": K_p, "T_i": T_i, "lambda": wanted},
+                f"K_p {own:.3g}, T_i {T_i:.3g} s (lambda {wanted:.3g} s)", {"K_p": own, "T_i": T_i, "lambda": wanted},
                 {"controller.K_p": K_p, "controller.T_i": T_i},
             )
         )  # fmt: skip

@@ -12,7 +12,7 @@ NOT_FOR = "noise in OP, a size of stick that changes, a valve with positioner"
 
 def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
-    hold = 3.0 * at.K_p * at.noise
+    hold = 3.0 * abs(at.K_p) * at.noise
     return [
         Setting(
             f"{a:.3g} {at.op_unit} in the way that OP goes, turned when OP has gone back by {hold:.2g}",

@@ -12,7 +12,7 @@ __all__ = ["Setting", "Situation"]
 class Situation:
     """What a remedy is set by: medians of the fitted loops.
 
-    K_p, T_i, dt : of the controller, K_p without its sign;  S, J : [unit of OP];  K : without its sign
+    K_p, T_i, dt : of the controller, K_p with its sign;  S, J : [unit of OP];  K : without its sign
     lag, theta : sum of the lags, dead time [s];  noise, swing : standard deviations of noise and of e [unit of PV]
     gain_known : whether the record tells K;  op_unit, pv_unit : for the words
     """

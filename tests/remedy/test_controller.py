@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from stickslip.blocks import PID, FirstOrder, Noise, SampledPI, SampledSensor, Step, Sum
 from stickslip.diagram import drive, simulate, wire
 from stickslip.remedy.controller import controller_of, limits_of
@@ -93,3 +94,15 @@ def test_a_law_that_proportional_action_tells_whole_has_no_integral_time():
     found = controller_of(0.5 * e, -e, np.zeros(300), 1.0, FREE)
     assert found.form == "P"
     assert found.spread("T_i")[1] == math.inf  # it is not known to end
+
+
+def test_a_derivative_behind_its_own_filter_is_read_as_it_was_set():
+    # analytic: K_p (1 + 1/(T_i s) + T_d s/(T_f s + 1)), each scan, as most control systems have it
+    K_p, T_i, T_d, dt, a, rng = 3.2, 70.0, 20.0, 5.0, 4.0 / 9.0, np.random.default_rng(3)  # T_f is 4 s
+    pv = 0.02 * rng.normal(size=1500).cumsum() + 0.04 * rng.normal(size=1500)
+    slope = np.diff(lfilter([1.0 - a], [1.0, -a], pv - pv[0]), prepend=0.0) / dt
+    op = 50.0 - K_p * (pv - pv[0] + dt / T_i * np.cumsum(pv - pv[0]) + T_d * slope)
+    found = controller_of(op, pv, np.full(1500, pv[0]), dt, FREE)
+    assert found.form == "PID" and found.explained > 0.99999
+    assert found.present == (pytest.approx(K_p, rel=0.01), pytest.approx(T_i, rel=0.01))
+    assert found.T_f == pytest.approx(-dt / math.log(a), rel=0.02)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stickslip.remedy.left import free_of_line, nugget, past, size, wandering, whitened
+from stickslip.remedy.left import free_of_line, nugget, paced, past, size, wandering, whitened
 
 
 def wander(n=20_000, a=0.8):
@@ -53,3 +53,11 @@ def test_the_noise_beside_a_load_lies_within_its_interval(smooth):
     low, value, high = nugget(load + 2.0 * np.random.default_rng(7).normal(size=6_000))
     assert low < 4.0 < high and value == pytest.approx(4.0, rel=0.15)
     assert nugget(load)[0] < 0.05 and nugget(load)[2] < 0.8  # none
+
+
+def test_a_load_at_a_steady_pace_tells_itself_and_a_wander_does_not():
+    rng, t = np.random.default_rng(5), np.arange(3000)
+    triangle = 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * t / 121.3))
+    assert paced(triangle + 0.02 * rng.normal(size=3000)) > 100.0
+    assert paced(wander()[0]) < 10.0
+    assert paced(np.arange(3000.0)) == 0.0  # no wave

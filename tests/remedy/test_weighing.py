@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stickslip.logs import read_loop
 from stickslip.remedy import fit
-from stickslip.remedy.weighing import EVERYWHERE, Weighed
+from stickslip.remedy.weighing import Weighed
 
 from benchmarks.remedy import apart
 
@@ -35,9 +35,9 @@ def test_a_sound_loop_that_a_sticky_neighbour_shakes_is_not_accused():
 
 
 @pytest.mark.parametrize(
-    ("gain", "z", "sticks", "said"),
-    [(36.0, 1.0, False, f"36 nats, and 1.0 times how .* [(]{EVERYWHERE} are"), (14.0, 2.8, False, "14 nats, which is"),
-     (3.0, 3.0, False, "^$"), (90.0, 5.0, True, "^$")],
+    ("gain", "everywhere", "sticks", "said"),
+    [(36.0, False, False, "36 nats, but not all along the record, which is"), (14.0, True, False, "14 nats, which is"),
+     (3.0, True, False, "^$"), (90.0, True, True, "^$")],
 )  # fmt: skip
-def test_why_a_stick_is_not_believed_is_said(gain, z, sticks, said):
-    assert re.search(said, Weighed(gain, z, sticks, None, ()).note)
+def test_why_a_stick_is_not_believed_is_said(gain, everywhere, sticks, said):
+    assert re.search(said, Weighed(gain, everywhere, sticks, None, ()).note)
