@@ -54,7 +54,8 @@ def widened(values: Floats, zero: bool = False) -> Floats:
         return found
     found[known] = middle + WIDER * (values[known] - middle)
     least, most = float(np.min(values[known])), float(np.max(values[known]))
-    return np.clip(found, 0.0 if least >= 0.0 else -math.inf, 0.0 if most <= 0.0 else math.inf)
+    low, high = 0.0 if least >= 0.0 else -math.inf, 0.0 if most <= 0.0 else math.inf
+    return np.asarray(np.clip(found, low, high))
 
 
 def size_of(values: Floats, reason: str = "", endless: str = "", zero: bool = False) -> Size:

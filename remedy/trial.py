@@ -111,7 +111,8 @@ def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
     K_p, T_i = (factors.get(f"controller.{key}", 1.0) * getattr(law, key) for key in ("K_p", "T_i"))
     fit = replace(fit, controller=replace(law, K_p=K_p, T_i=T_i))
     blocks = _blocks(fit, replace(one, S=stick * one.S, J=stick * one.J))
-    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()} | setting.params
+    own = {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
+    return {**own, **setting.params}
 
 
 def _run(
