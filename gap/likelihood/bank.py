@@ -41,7 +41,7 @@ def left_by_bank(
     b, c = p.diagram.block_index(one.effect.block(one.place)), p.component
     hidden = np.arange(c.memory[b], c.memory[b] + len(p.diagram.blocks[b].memory_names))
     rng = np.random.default_rng(SEED)
-    drawn = _even(rng, len(times), len(p.noise), count)
+    drawn = drawn_evenly(rng, len(times), len(p.noise), count)
     dither, shares = rng.random((len(f.Y), count, len(f.signals))), rng.random(len(f.Y))
     e, losses = np.full(f.Y.shape, np.nan), np.zeros(len(f.Y))
     stood, came = np.zeros((len(times), count)), np.zeros((len(f.Y), count), dtype=np.int64)
@@ -58,7 +58,7 @@ def left_by_bank(
                        stem=likely_path(stood, came, row_of))  # fmt: skip
 
 
-def _even(rng: np.random.Generator, stops: int, noises: int, count: int) -> Values:
+def drawn_evenly(rng: np.random.Generator, stops: int, noises: int, count: int) -> Values:
     """Return normal numbers for stems, (stops, stems, noises): at each stop one in each of as many equal parts."""
     parts = rng.permuted(np.broadcast_to(np.arange(count), (stops, noises, count)), axis=2)
     return np.asarray(ndtri((parts + rng.random(parts.shape)) / count)).swapaxes(1, 2).copy()

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 from stickslip.blocks import Equations, HeValve, IdealValve, Noise, SampledPI, SampledSensor, Square, StickSlip
 from stickslip.diagram import simulate, wire
 from stickslip.gap import diagnose
 from stickslip.gap.effects import CATALOGUE
 from stickslip.gap.effects.deadband import Deadband
 from stickslip.gap.effects.stiction import RestingStiction
-from stickslip.gap.likelihood.bank import left_by_bank
+from stickslip.gap.likelihood.bank import drawn_evenly, left_by_bank
 from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.known_stem import KnownStem
@@ -50,6 +51,15 @@ def frame():
     found = frame_of(model, record)
     assert found is not None
     return found
+
+
+def test_stems_draw_one_number_in_each_of_as_many_equal_parts():
+    drawn = drawn_evenly(np.random.default_rng(1), 500, 2, 8)
+    assert drawn.shape == (500, 8, 2)
+    parts = np.sort(np.floor(8.0 * norm.cdf(drawn)), axis=1)
+    assert np.array_equal(parts, np.broadcast_to(np.arange(8.0)[:, None], parts.shape))
+    assert np.mean(drawn) == pytest.approx(0.0, abs=0.01) and np.std(drawn) == pytest.approx(1.0, abs=0.02)
+    assert abs(np.corrcoef(drawn[:-1, 0, 0], drawn[1:, 0, 0])[0, 1]) < 0.15  # three standard deviations of 500
 
 
 def test_a_bank_that_does_not_stick_is_the_filter(frame):
