@@ -241,8 +241,7 @@ class LoopFit(Shown):
             },
             "process": {
                 "K": self.K.to_dict(), "KJ": self.KJ.to_dict(), "tau": self.tau.to_dict(),
-                "tau_2": self.tau_2.to_dict(), "theta": self.theta.to_dict(),
-                "integrating": None if self.closed else self.best.integrating,
+                "tau_2": self.tau_2.to_dict(), "theta": self.theta.to_dict(), "integrating": self.best.integrating,
             },
             "load_sd": self.load_sd.to_dict(), "noise_sd": self.noise_sd.to_dict(),
             "one_step_error": self.one_step_error, "free_error": self.free_error,

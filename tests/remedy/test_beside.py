@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from stickslip.remedy.changing import _fine, _level, _slow, _spread
 
-N, BETWEEN = 4000, 60
+N = 4000
 STILL = [[np.zeros(N)], [np.zeros(N)]]  # answers to a stem that stands: what is left is all that PV does
 
 
@@ -19,8 +19,9 @@ def left(load=1.0, noise=0.1, off=0.0, seed=1):
 def named(earlier, later):
     lefts = [earlier, later]
     fine = [_fine(one) for one in lefts]
-    slow = _slow(lefts, STILL, BETWEEN, [float(np.mean(one)) for one in fine])
-    found = (_spread("sensor_noise", fine, "K"), _spread("disturbance", slow, "K"), _level(lefts, "K"))
+    slow = _slow(lefts, STILL, [float(np.mean(one)) for one in fine])
+    level = _level("sensor_drift", lefts, "K", (), 0.0)
+    found = (_spread("sensor_noise", fine, "K"), _spread("disturbance", slow, "K"), level)
     return [one.effect for one in found if one.changed]
 
 
@@ -39,15 +40,15 @@ def test_nothing_is_named_where_load_and_noise_are_drawn_anew():
 
 
 def test_a_load_that_goes_with_the_gain_has_not_changed():
-    slow = _slow([left(), left(load=0.4, seed=2)], STILL, BETWEEN, [0.01, 0.01])
+    slow = _slow([left(), left(load=0.4, seed=2)], STILL, [0.01, 0.01])
     assert _spread("disturbance", slow, "K").changed
     assert not _spread("disturbance", slow, "K", np.log(0.4)).changed  # the gain is 0.4 of what it was
 
 
 def test_behind_an_integrator_a_load_that_stays_is_no_larger_load():
     ramp = [np.linspace(0.0, 900.0, N) + left(seed=2)[0]]  # a load of one size, which the integrator adds up
-    assert _spread("disturbance", _slow([left(), ramp], STILL, BETWEEN, [0.01, 0.01]), "K").changed
-    assert not _spread("disturbance", _slow([left(), ramp], STILL, BETWEEN, [0.01, 0.01], 2), "K").changed
+    assert _spread("disturbance", _slow([left(), ramp], STILL, [0.01, 0.01]), "K").changed
+    assert not _spread("disturbance", _slow([left(), ramp], STILL, [0.01, 0.01], 2), "K").changed
 
 
 def test_a_drift_does_not_count_against_itself():
