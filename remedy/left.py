@@ -27,7 +27,7 @@ __all__ = [
 EDGES = (1, 2, 3, 4, 6, 9, 14, 22, 34)  # rows back, between which the autoregression is the same
 NUGGETS = 12  # parts of a record, whose noise tells how surely it is known
 WAVES, NEAR, CLIP = 5, 0.06, 6.0  # waves at least; share of a pace; spreads of errors
-NU, SHARE = 5.0, 0.6  # of Student's t: p(e) goes by (1 + e^2 / NU s^2)^-3, and s^2 is that of the errors' variance
+NU, SHARE = 5.0, 0.6  # of Student's t: p(e) goes by (1 + e^2 / NU s^2)^-3; of the errors' variance, that is s^2
 LEAST = 12  # rows of a record for each of its memory
 FAST: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract"}}
 

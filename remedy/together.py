@@ -53,7 +53,7 @@ class Together:
 class Pair:
     """Two fits of one loop: the likeliest loops of which all is ``shared``, and those of which a part is its ``own``.
 
-    backwards : whether the loops are the later time's;  scan : [s];
+    backwards : whether the loops are the later time's;  scan : [s]
 
     >>> from stickslip.remedy import fit
     >>> from stickslip.remedy.example import sticky

@@ -2,6 +2,8 @@
 
 There the model alone says the same by its filter, without a bank.  What the two differ by is the bank's, and a stem of
 any size loses about as much: its log-likelihood is compared with that of effects that need no bank once it is made up.
+Across runs of a loop that is not linear it hardly depends on how many stems there are: it is what gains lose that know
+the path of a stem that follows OP at once.  There it says only whether a stem is worth a fit.
 """
 
 from collections.abc import Mapping

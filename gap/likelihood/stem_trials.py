@@ -38,8 +38,9 @@ class Bank:
         assert one.effect is not None
         if one.effect.rules(one.frame.model, one.place, size):
             return None
+        best = self.likeliest if self.trials else None
         try:
-            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count, self.best())
+            found = left_by_bank(one, {**self.shared, **size}, self.near, self.count, best)
         except ArithmeticError:
             return None
         if not math.isfinite(found.nll):
@@ -48,10 +49,6 @@ class Bank:
             found = replace(found, charge=self.few.lost(self.one, self.count))
         self.trials.append(found)
         return found
-
-    def best(self) -> Innovations | None:
-        """Return the likeliest trial, None before the first."""
-        return min(self.trials, key=nll_of, default=None)
 
     @property
     def likeliest(self) -> Innovations:
