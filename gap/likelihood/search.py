@@ -88,7 +88,7 @@ def fitted(
 
     ``within``: the nll that first sizes of a stem have to come to, or it is not fitted; infinite where there is a gap.
     """
-    first: tuple[Fit, ...] = ()
+    first, done = tuple[Fit, ...](), list[Fit]()
     most = max((c.gain for c in found if c.races), default=0.0)
     chosen = [c for c in found[:TRIED] if _promises(c, most, raced)]
     if null.hypothesis.frame.record.filter is None:  # a large diagram has too many stems, and their scores do say much
@@ -98,11 +98,15 @@ def fitted(
         fits = in_threads(partial(_first_fit, null, first, raced, within), alike, progress, "fits")
         first = tuple(sorted((*first, *(fit for fit in fits if fit is not None)), key=price))
         if raced and rank == 0 and first:  # what is enough to the end leaves stems little to look for
-            first = (_ended(first[0]), *first[1:])
+            done = [_ended(first[0])]
+            first = (*done, *first[1:])
     lag = max(LAGGING, LAG_SHARE * (null.nll - price(first[0]))) if raced and first else LAGGING
     near = [fit for fit in first if price(fit) < price(first[0]) + lag]
-    ended = sorted(in_threads(lambda fit: settled_stem(fit) if fit.hypothesis.hides else _ended(fit), near), key=price)
-    return _once(_in_phase_of_best(ended, lag))
+
+    def end(fit: Fit) -> Fit:
+        return settled_stem(fit) if fit.hypothesis.hides else fit if fit in done else _ended(fit)
+
+    return _once(_in_phase_of_best(sorted(in_threads(end, near), key=price), lag))
 
 
 def _promises(one: Candidate, most: float, raced: bool) -> bool:

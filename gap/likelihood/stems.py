@@ -82,14 +82,18 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=nll_of, default=None)
     if best is None:
         return None
-    known = refined(known_stem(best).filtered(bank.shared), tuple(one.frame.free), ROUNDS)
-    # across runs a likely path is no known one: noise beside it is searched by the bank itself
-    shared = {key: known.best.values[key] for key in one.frame.free} if one.cheap else bank.shared
-    last = asked_with(bank, shared, best)
-    if last is None:
-        return None
-    if not one.cheap:
-        last = with_likelier_noise(last)
+    free = tuple(one.frame.free)
+    if one.cheap:
+        known = refined(known_stem(best).filtered(bank.shared), free, ROUNDS)
+        last = asked_with(bank, {key: known.best.values[key] for key in free}, best)
+        if last is None:
+            return None
+    else:  # across runs a likely path is no known one: noise beside it is searched by the bank itself
+        again = asked_with(bank, bank.shared, best)
+        if again is None:
+            return None
+        last = with_likelier_noise(again)
+        known = refined(known_stem(last.likeliest).filtered(last.shared), free, 0)
     _refined(last, last.likeliest)
     return _finished(last, known)
 
