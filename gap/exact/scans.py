@@ -13,7 +13,7 @@ from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
 
 EVEN = 1e-6  # of a scan, by which a row may lie off it
-SELDOM = 0.05  # share of rows behind which an output may have been at a limit
+SELDOM = 0.1  # share of rows behind which an output may have been at a limit
 UNSEEN = 0.5  # of the largest change of an output from row to row: as far it may have gone beyond between two
 
 

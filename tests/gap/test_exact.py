@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stickslip.blocks import Equations
+from stickslip.blocks import Equations, IdealValve
 from stickslip.cases.models import level_cascade, level_loop, second_order_flow, site_flow
 from stickslip.diagram import ensemble
 from stickslip.gap.diagnosis import frame_of
@@ -125,6 +125,12 @@ def test_a_block_that_bends_away_from_the_middle_of_a_log_is_not_linear_in_it():
     straight_between(ramp, np.array([1.5]), [np.array([1.501])], t)
     with pytest.raises(NotAffine, match="bends within what the log visits"):
         straight_between(ramp, np.array([1.5]), [np.array([1.9])], t)
+
+
+@pytest.mark.parametrize("middle", [52.243630308076604, 49.1, 3.7])
+def test_a_line_is_one_where_it_gives_nothing_too(middle):
+    # its slope is a difference of values about the middle, whose rounding is more than 0 has
+    straight_between(IdealValve(), np.array([middle]), [np.array([0.0]), np.array([100.0])], np.arange(3.0))
 
 
 def test_a_slow_block_that_multiplies_is_not_affine():
