@@ -51,6 +51,16 @@ def test_a_log_without_noise_names_the_stem(stem):
     assert values["S"] == pytest.approx(S, rel=0.05) and values["J"] == pytest.approx(J, rel=0.1)
 
 
+def test_a_rounded_log_without_noise_is_compressed_by_no_historian():
+    # PV is straight within its rounding wherever it moves slowly: it was a compression at .95
+    log = log_of(StickSlip(F_S, F_C, start=0.5))
+    known = [*ONES, effect("compression")]
+    rounded = Log(log.t, {s: np.round(log[s], 4) for s in log.names})
+    (cause,) = diagnose(loop(IdealValve()), rounded, catalogue=known, limits=False).causes
+    assert (cause.effect, cause.place) == ("stiction", "valve")
+    assert cause.parameters["S"].value == pytest.approx(S, rel=0.05)
+
+
 def test_a_log_with_noise_names_it_too():
     name, place, values = told(log_of(StickSlip(F_S, F_C, start=0.5), noise=0.004), 0.004)
     assert (name, place) == ("stiction", "valve")
