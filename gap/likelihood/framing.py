@@ -7,7 +7,7 @@ from stickslip.diagram.diagram import Diagram
 from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.frame import BUDGET, Frame
-from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.inputs import rounded
 from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
@@ -80,8 +80,18 @@ def settled_behind_holes(quiet: Diagram, record: Record) -> Record:
 def when_switched(frame: Frame) -> Frame:
     """Return the frame with inputs that switch when it suits the model as it is stated."""
     now = with_ramps(in_phase(Hypothesis(frame).filtered({})))
-    for _ in range(SETTLING):
-        before, now = now, in_phase(with_switches(now))  # a switch that is wrongly placed hides when scans are
-        if now is before:
+    for _ in range(SETTLING):  # a switch that is wrongly placed hides when scans are
+        placed = _until_placed(now)
+        now = in_phase(placed)
+        if now is placed:
             break
     return now.hypothesis.frame
+
+
+def _until_placed(now: Innovations) -> Innovations:
+    """Return a filter of the same values with inputs that switch when it suits the record, until none moves further."""
+    for _ in range(SETTLING):
+        before, now = now, with_switches(now)
+        if now is before:
+            break
+    return now

@@ -5,8 +5,8 @@ along the two friction bands of ``stickslip.blocks.he_valve``: f_s alone says at
 stops then.
 
 1. a grid of both on the first part of the record
-2. from its best few points lines along each band and along both, over ever smaller ranges
-3. the same from the best of these in the whole record
+2. from its best few points lines along each band and along both
+3. from the best of these lines over ever smaller ranges, then the same in the whole record
 """
 
 import math
@@ -21,8 +21,9 @@ from stickslip.gap.likelihood.settling import free_names
 
 APART, SHARES = 0.05, 12  # of the grid: steps of f_s as a logarithm, and how many shares of it f_d is
 KEPT, DISTINCT = 8, 0.15  # points that are followed, and how far apart they are
+FURTHER = 3  # of these that are followed over smaller ranges
 POINTS = 25  # of a line
-RANGES = (0.2, 0.1, 0.05, 0.02, 0.01)  # over which bands are sought, up and down, as a share
+WIDE, NARROW = (0.2, 0.1), (0.05, 0.02, 0.01)  # ranges over which bands are sought, up and down, as a share
 LAST = (0.1, 0.05, 0.03, 0.01, 0.003)  # the same in the whole record
 
 Bands = tuple[float, float]
@@ -36,8 +37,8 @@ def sampled_stem(one: Hypothesis) -> Fit | None:
     f_s = np.geomspace(0.5 * low, high, int(math.log(2.0 * high / low) / APART)).tolist()
     grid = [(static, static * part) for static in f_s for part in np.linspace(0.0, 1.0, SHARES).tolist()]
     begun = _apart(sorted(_left(head, free, grid), key=_nll))
-    ends = [_followed(head, free, point, RANGES) for point in begun]
-    best = min(ends, key=_nll, default=None)
+    ends = sorted((_followed(head, free, point, WIDE) for point in begun), key=_nll)
+    best = min((_followed(head, free, point, NARROW) for point in ends[:FURTHER]), key=_nll, default=None)
     if best is None:
         return None
     found = _followed(one, free, best, LAST)
