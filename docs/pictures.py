@@ -17,13 +17,17 @@ IMAGES = Path(__file__).resolve().parent / "images"
 
 
 def keep(name: str, figure: "Figure", dpi: int = 100) -> None:
-    """Write a figure with at most 128 colours, which a drawing of lines does not exceed."""
+    """Write a figure with at most 128 colours, which a drawing of lines does not exceed, and its words beside it."""
+    from matplotlib.text import Text
     from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
 
+    words = PngInfo()
+    words.add_text("Description", " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split()))
     target = IMAGES / f"{name}.png"
     figure.savefig(target, dpi=dpi, bbox_inches="tight")
     picture = Image.open(target).convert("RGB").quantize(128, dither=Image.Dither.NONE)
-    picture.save(target, optimize=True)
+    picture.save(target, optimize=True, pnginfo=words)
 
 
 def topologies() -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import wraps
 from multiprocessing import get_all_start_methods, get_context
-from typing import ParamSpec, TypeVar
+from types import ModuleType
+from typing import Any, ParamSpec, TypeVar
 
 __all__ = ["cores", "one_thread", "processes"]
 
@@ -49,6 +51,25 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     return alone
 
 
+class _Processes(ProcessPoolExecutor):
+    """They do not run the caller's script again: what they compute is ours, and a script may have no main guard."""
+
+    def submit(self, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Start the process that is missing, if any, and hand the work on."""
+        with _script_unseen():
+            return super().submit(*args, **kwargs)
+
+
+@contextmanager
+def _script_unseen() -> Iterator[None]:
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that Ctrl-C does not reach: a terminal sends it to all, and only the command itself is to end by it.
@@ -57,13 +78,14 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
 
     As many processes as cores, each with as many threads of linear algebra as cores, wait for each other most of the
     time: on two cores the same work took 22 s in place of 6 s.  So each computes with one thread, and so does this
-    process meanwhile.  What waits when an error or Ctrl-C ends the block is not begun.
+    process meanwhile.  What waits when an error or Ctrl-C ends the block is not begun.  Functions of the script that
+    calls are unknown there.
     """
     from threadpoolctl import threadpool_limits
 
     with (
         threadpool_limits(1),
-        ProcessPoolExecutor(count, mp_context=get_context(_start()), initializer=_alone) as pool,
+        _Processes(count, mp_context=get_context(_start()), initializer=_alone) as pool,
     ):
         try:
             yield pool
@@ -85,7 +107,8 @@ def _start() -> str:
 
         before = signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
-            forkserver.ensure_running()
+            with _script_unseen():
+                forkserver.ensure_running()
         finally:
             signal.signal(signal.SIGINT, before)
     return "forkserver"

@@ -158,6 +158,17 @@ def test_no_verdict_by_shape_below_five_samples_a_period(samples):
     assert f"Log at {float(f'{every:.2g}'):g} s" in found.reason
 
 
+@pytest.mark.parametrize("samples", [2.5, 3.3, 3.9, 4.5, 4.9])
+@pytest.mark.parametrize("shape", [np.sign, np.asarray])
+def test_no_method_speaks_of_a_shape_below_five_samples_a_period(shape, samples):
+    # before: play_fit said stiction, or that there is none, in most of these
+    t = np.arange(1500.0)
+    u = 50 + 5 * np.sin(2 * np.pi * t / samples + 0.3)
+    pv = shape(np.cos(2 * np.pi * t / samples)) + 0.1 * np.random.default_rng(3).standard_normal(len(t))
+    (judged,) = compare(LoopRecord.from_arrays(10.0 * t, pv=pv, op=u, op_span=(0, 100))).loops
+    assert {v.verdict for v in judged.verdicts} <= {"not_applicable", "inconclusive"}
+
+
 def test_long_records_are_no_exception():
     t = np.arange(20_000.0)  # blocks of 13 samples would hide a period of 3
     u = 50 + 5 * np.sin(2 * np.pi * t / 3.1) + t / 4000

@@ -1,7 +1,7 @@
 """One calibrated answer for a loop: what can be asked of the record, what is probable, how large, and what to do.
 
-    1. a record that shows nothing is refused by name, without a probability; so is one of fewer than ``FEWEST``
-       samples a period, unless its stem answers
+    1. a record that shows nothing is refused by name, without a probability; so is one of fewer than 5 samples
+       a period, unless its stem answers
     2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked; where it stands while OP
        travels and turns back, the valve sticks unless PV answers OP, so that the tag is dead (``still_stem``)
     3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
@@ -23,7 +23,7 @@ import numpy as np
 from stickslip.detect.judge.actions import CAUSES, confirming_steps
 from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import not_earned, usable
-from stickslip.detect.judge.features.view import LONGEST, View
+from stickslip.detect.judge.features.view import View
 from stickslip.detect.judge.grounds import Ground, Picture, grounds
 from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
 from stickslip.detect.judge.own_slips import own_slips
@@ -31,8 +31,8 @@ from stickslip.detect.judge.still_stem import Still, still_stem
 from stickslip.detect.likelihood.pooled import Evidence
 from stickslip.detect.likelihood.words import said as in_words
 from stickslip.detect.plantwide.slips import Slips
+from stickslip.detect.prepare.preconditions import undersampled
 from stickslip.detect.prepare.prepared import PERCENT, STEPS_MAX, Prepared
-from stickslip.detect.stem.recent import recent, samples_per_period
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
 from stickslip.logs.chances import chance
@@ -52,7 +52,6 @@ SILENT = 0.01
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
-FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which no shape can be judged, and to log
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,7 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         by_stem = stem_play.detect(loop)
         if by_stem.applicable:
             return _from_stem(by_stem, loop)
-    sampled = _sampled(loop.with_stale)
+    sampled = undersampled(loop.with_stale)
     if sampled:
         return _refusal(sampled if still is None else f"{_stands(still._replace(why=COARSE))} {sampled}")
     slips = own_slips(loop.with_stale)
@@ -147,21 +146,6 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
 
 def _refusal(text: str) -> Answer:
     return Answer("not_applicable", None, {}, None, None, None, text, "")
-
-
-def _sampled(loop: Prepared) -> str:
-    """Why a record of few samples a period of OP shows the controller only; "" where it has enough."""
-    grid = loop.whole
-    if len(grid) < SAMPLES_MIN:
-        return ""
-    samples = samples_per_period(grid.op[recent(grid.op, LONGEST) :])
-    if not samples < FEWEST:
-        return ""
-    every = rounded(samples * grid.dt / WANTED)
-    return (
-        f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: such a "
-        f"record shows the controller only. Log at {every:g} s."
-    )
 
 
 def _judged(

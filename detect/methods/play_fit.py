@@ -43,7 +43,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from stickslip.detect.card import Card
-from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.preconditions import refused, undersampled
 from stickslip.detect.prepare.prepared import Grid, Prepared, prepared
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.play import Fit, fit
@@ -120,6 +120,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
             "the same."
         )
         return Verdict(CARD.name, "inconclusive", None, p.ratio, reason)
+    if few := undersampled(loop):
+        return Verdict.not_applicable(CARD.name, "undersampled", few, p.ratio)
     k, u, y, e = _blocks(grid, turn, p.points)
     sign = controller_sign(u, e)
     kinds = (False, True) if loop.integrating is None else (loop.integrating,)

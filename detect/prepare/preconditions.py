@@ -6,7 +6,9 @@ from collections.abc import Callable
 from stickslip.detect.card import Card
 from stickslip.detect.health.fact import Fact
 from stickslip.detect.oscillation.clock import RATIO_MAX
+from stickslip.detect.prepare.logged_part import SAMPLES_MIN
 from stickslip.detect.prepare.prepared import Grid, Prepared
+from stickslip.detect.stem.recent import LONGEST, recent, samples_per_period
 from stickslip.detect.verdict import Code, Verdict
 
 ALWAYS: tuple[Code, ...] = (
@@ -17,6 +19,8 @@ OF_PV: tuple[Code, ...] = ("frozen_pv", "not_in_charge", "pv_unresponsive")  # n
 BY_NEED: dict[str, Code] = {
     "constant_sp": "sp_not_constant", "unsaturated": "op_saturated", "fine_pv": "quantised", "raw_pv": "compressed",
 }  # fmt: skip
+
+FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which no shape can be judged, and to log
 
 
 def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdict | None:
@@ -68,6 +72,20 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
         return no("undersampled", f"The period of {loop.period:.4g} s has {per_period:.1f} samples; "
                                   f"{card.samples[0]:g} are needed.")  # fmt: skip
     return _of_cause(card, loop, no)
+
+
+def undersampled(loop: Prepared) -> str:
+    """Why a record of few samples a period of OP shows the controller only; "" where it has enough."""
+    grid = loop.whole
+    if len(grid) < SAMPLES_MIN:
+        return ""
+    samples = samples_per_period(grid.op[recent(grid.op, LONGEST) :])
+    if not samples < FEWEST:
+        return ""
+    return (
+        f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: such a "
+        f"record shows the controller only. Log at {float(f'{samples * grid.dt / WANTED:.2g}'):g} s."
+    )
 
 
 def too_short(card: Card, grid: Grid, samples: int, threshold: float) -> Verdict | None:

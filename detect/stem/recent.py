@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.detect.stem.stick import turns
 from stickslip.logs.arrays import Values
 
+LONGEST = 7_200  # points of a grid that are looked at: the longest records that the verdict was fitted on
 TURN_SHARE = 0.3  # of OP's range: a smaller way back is no turn
 TURNS = 40  # of OP in the part that is looked at
 PERIODS = 20.0  # of an oscillation in it

@@ -34,6 +34,23 @@ def sloping(values: Values, step: float | Values) -> float:
     return float(((bend <= near) & moved).mean()) if len(bend) else 0.0
 
 
+def corners(values: Values, step: float | Values) -> float:
+    """Return the share of bends that are corners: three neighbours off a line, beside two threes that lie on one.
+
+    A historian's lines meet in corners, and a smooth signal bends by degrees.  Rounding bends a line by up to two
+    steps.
+
+    >>> corners(np.array([0.0, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5]), 0.0)
+    1.0
+    >>> corners(np.linspace(0.0, 1.0, 9) ** 2, 0.0)
+    0.0
+    """
+    bend = np.abs(np.diff(values, 2))
+    near = 1.01 * _coarsest(values, step) + 1e-9 * float(np.nanmax(np.abs(values), initial=0.0))
+    bent, straight = bend > 2.0 * near, bend <= near
+    return float(np.sum(bent[1:-1] & straight[:-2] & straight[2:])) / max(float(np.sum(bent)), 1.0)
+
+
 def _coarsest(values: Values, step: float | Values) -> Values:
     """Return the coarsest rounding of three neighbours."""
     steps = np.broadcast_to(np.asarray(step, dtype=float), np.shape(values))

@@ -42,11 +42,12 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
     far = SIGMAS if f.record.filter is None else SIGMAS_OF_FILTER
     beyond = left(fit.best) - level(fit.best)
     limit = far * unit
-    if fit.hypothesis.effect is not None:
+    explained = fit.hypothesis.effect is not None
+    if explained or not f.noise:  # runs without noise differ by what another integrator costs
         limit += allowed(f)
-        # runs with a hidden mode that is missed now and then leave anything: that alone proves nothing
-        if beyond > limit and null is not None and share(fit, null) >= LEAST:
-            limit = max(limit, _own_runs(fit, far, seed))
+    # runs with a hidden mode that is missed now and then leave anything: that alone proves nothing
+    if explained and beyond > limit and null is not None and share(fit, null) >= LEAST:
+        limit = max(limit, _own_runs(fit, far, seed))
     unit = max(unit, SMALLEST)  # of runs without noise all losses are the same
     return Verdict(beyond / unit, "the misfit of all rows", ALARM if beyond > limit else 1.0, limit / unit)
 

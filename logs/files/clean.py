@@ -133,9 +133,12 @@ def _within_reach(values: npt.NDArray[np.float64], name: str) -> Numbers:
         which = "1 value is" if count == 1 else f"{count} values are"
         notes.append(f"{name}: {which} beyond {LARGEST:g}: missing, for no measurement is as large.")
     good = np.ones(len(kept), dtype=bool)
-    for number, count in placeholders(kept):
-        good &= kept != number
+    for number, count, sure in placeholders(kept):
         said = f"{name}: {count} value{'s are' if count > 1 else ' is'} {number:.10g}, far outside the others"
+        if not sure:
+            notes.append(f"{said}: kept, for it may be measured; if the system writes this where nothing is, blank it.")
+            continue
+        good &= kept != number
         notes.append(f"{said}: missing, of bad quality, for systems write this where they have no number.")
     return Numbers(np.where(good, kept, np.nan), None if good.all() else good, tuple(notes))
 

@@ -12,6 +12,7 @@ from stickslip.logs import Log
 
 from benchmarks.foreign.record import record
 from benchmarks.foreign_models.cone import model as cone
+from benchmarks.foreign_models.pipeline_pack import model as pipeline
 from benchmarks.foreign_models.sqrt_tank import model
 from benchmarks.foreign_models.two_by_two import model as pair
 from benchmarks.gap.plant import MODELS, PlantRun
@@ -23,13 +24,20 @@ def test_lines_that_rounding_draws_are_no_historian():
     assert straightened(held_against(MODELS["separator_section"][0](), log), 0) == ""
 
 
-def test_where_noise_is_less_than_stated_rounding_draws_the_lines():
-    # noise of 0.56 times the stated one, in a record of another hand: it was a compression at .95 where nothing is
-    made, wired = record("sqrt_tank", seed=537079806, noise_factor=0.5613, load_factor=0.8888), model()
+def held_by(plant, wired, **settings):
+    """A record of another hand against its model."""
+    made = record(plant, **settings)
     log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in wired.signals.items()})
-    held = held_against(wired.diagram, log)
+    return held_against(wired.diagram, log)
+
+
+def test_where_noise_is_less_than_stated_rounding_draws_the_lines():
+    # noise of half the stated one: each was a compression at .95 where nothing is
+    held = held_by("sqrt_tank", model(), seed=537079806, noise_factor=0.5613, load_factor=0.8888)
+    assert straightened(held, 0) == "", "its lines meet in no corners; by their number it was one"
+    held = held_by("pipeline_pack", pipeline(), seed=101, noise_factor=0.5, load_factor=0.5)
     assert straightened(held, 0) == "PV"
-    assert straightened(held, 0, [{"sensor.sd": 0.0017}]) == ""
+    assert straightened(held, 0, [{"sensor.sd": 0.015, "feed.sd": 0.3}]) == ""
 
 
 @pytest.mark.parametrize(("plant", "wired", "effect_name", "size", "seed", "noise", "load"), [
@@ -40,9 +48,7 @@ def test_where_an_effect_hides_that_noise_is_less_rounding_draws_the_lines_too(
     plant, wired, effect_name, size, seed, noise, load
 ):
     # effects in loops whose noise and loads are half as large as stated: each was a compression at .95
-    made = record(plant, effect_name, size, seed, noise_factor=noise, load_factor=load)
-    mine = wired()
-    log = Log(made.signals["time"], {s: by * made.signals[tag] for s, (by, tag) in mine.signals.items()})
-    null = model_alone(when_switched(held_against(mine.diagram, log)))
+    found = {"effect": effect_name, "size": size, "seed": seed, "noise_factor": noise, "load_factor": load}
+    null = model_alone(when_switched(held_by(plant, wired(), **found)))
     gap = Verdict(100.0, "", 0.0, 4.0)
     assert by_digits(null, gap, [effect("compression")], 0) is None

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from multiprocessing import get_all_start_methods
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,24 @@ def test_what_waits_is_not_begun_when_the_block_is_left_by_an_error(tmp_path) ->
             pool.submit(slow, tmp_path / str(number))
         raise KeyboardInterrupt
     assert len(list(tmp_path.iterdir())) < 6
+
+
+@pytest.mark.parametrize("start", ["forkserver", "spawn"])
+def test_a_script_without_a_main_guard_runs_once(start, tmp_path) -> None:
+    if start not in get_all_start_methods():
+        pytest.skip(f"no {start} on this system")
+    script = tmp_path / "script.py"
+    script.write_text(f"""
+import os, sys
+from stickslip.logs import processes
+print("begun")
+processes.get_all_start_methods = lambda: ["{start}"]
+with processes.processes(2) as pool:
+    print(set(pool.map(os.path.basename, ["a", "b", "c"])), sys.modules["__main__"].__file__ == __file__)
+""")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("begun") == 1 and done.stdout.endswith("} True\n")
 
 
 @pytest.mark.parametrize("threads", [None, "2"])

@@ -206,6 +206,14 @@ def test_one_such_number_is_enough_where_no_measurement_is_as_far(read, cell):
     assert said(record, "FIC101.PV: 1 value is", "missing, of bad quality")
 
 
+@pytest.mark.parametrize("cell", ["-999", "-999.25", "9999"])
+def test_one_such_number_that_is_nearer_is_kept_and_told(read, cell):
+    # before: one -999 in 1,764 rows took the probability of stiction from 94 to 33 %, without a note
+    pv = [cell if i == 9 else 700 + i % 7 if cell == "9999" else 100 + i % 7 for i in range(N)]
+    record = read(table(clock(), pv))
+    assert record.pv[9] == float(cell) and said(record, f"1 value is {cell}, far outside the others", "kept", "blank")
+
+
 def test_two_such_numbers_in_one_typed_column():
     pl = pytest.importorskip("polars")
     pv = [{9: -9999.0, 10: -9999.0, 20: 1e31, 21: 1e31}.get(i, 4 + 0.1 * (i % 7)) for i in range(N)]
@@ -229,6 +237,7 @@ def test_two_such_numbers_in_one_typed_column():
 def test_what_may_be_measured_is_kept(read, pv):
     record = read(table(clock(), pv))
     assert record.pv.tolist() == pv and not said(record, "no number")
+    assert said(record, "may be measured") == (pv.count(-9999) == 1)
 
 
 def test_a_mark_that_may_stand_between_thousands_is_said(read):

@@ -125,6 +125,13 @@ def test_a_phone_shows_pv_against_op_whole(demo_page, tmp_path):
     assert len(rights) >= 5 and max(rights) <= 390.0
 
 
+def test_on_paper_a_heading_stays_with_its_picture():
+    # by its rules: it is seen by no measure which sheet of a PDF a word stands on
+    rules = page("t", "", []).rpartition("@media print")[2]
+    for selector, rule in (("h2", "break-after: avoid"), ("figure", "break-inside: avoid"), ("figcaption", "before")):
+        assert re.search(rf"\b{selector}\b[^{{}}]*{{[^}}]*{rule}", rules), selector
+
+
 def test_it_prints(demo_page, tmp_path):
     paper = tmp_path / "page.pdf"
     browser(f"--print-to-pdf={paper}", demo_page.as_uri())

@@ -15,13 +15,12 @@ import numpy as np
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.controller import controller_sign
 from stickslip.detect.stem.process_kind import kind_of_tag
-from stickslip.detect.stem.recent import blocks, recent, samples_per_turn
+from stickslip.detect.stem.recent import LONGEST, blocks, recent, samples_per_turn
 from stickslip.logs.arrays import Values
 
 FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
 POINTS = 900  # beyond these the thinning goes down to COARSE
 STALE_SHARE = 0.05  # share of stale samples from which on they are left out
-LONGEST = 7_200  # points of the grid that are looked at: the longest records that the model was fitted on
 
 
 @dataclass(frozen=True, eq=False)
