@@ -101,14 +101,19 @@ def moved_alike(fit: Fit) -> Innovations | None:
 
 
 def with_ramps(now: Innovations) -> Innovations:
-    """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do."""
+    """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do.
+
+    A sensor that scans as the controllers do reads such a line in steps.
+    """
     frame = now.hypothesis.frame
     for s in frame.record.played if frame.record.filter is None else ():
         if moves(frame.record, s):
-            record = replace(frame.record, ramps=frame.record.ramps | {s})
-            doubts = {**frame.doubts, s: in_lines(record, s)}
-            found = tried(replace(now.hypothesis, frame=replace(frame, record=record, doubts=doubts)), now.values)
-            now = found if found is not None and found.nll < now.nll - GAIN else now
+            before = frame
+            for every in dict.fromkeys((0.0, frame.scanned if frame.scanned < frame.record.log.dt else 0.0)):
+                record = replace(before.record, ramps={**before.record.ramps, s: every})
+                doubts = {**before.doubts, s: in_lines(record, s)}
+                found = tried(replace(now.hypothesis, frame=replace(before, record=record, doubts=doubts)), now.values)
+                now = found if found is not None and found.nll < now.nll - GAIN else now
             frame = now.hypothesis.frame
     return now
 

@@ -179,8 +179,9 @@ class Record:
     drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
     ``suspects`` the blocks at which a gap can be, none named: all; ``computed`` the rounding of signals that were
     computed from logged ones [their unit]; ``leads`` by how much [s] before the row that shows it an input switched;
-    ``ramps`` inputs that move from row to row and go in lines between them; ``fresh`` signals in which noise is drawn
-    anew, with (period, first time) [s] of the draws: between rows nobody knows it.
+    ``ramps`` inputs that move from row to row and go in lines between them, with the interval at which they are read
+    there [s], 0 for the lines themselves; ``fresh`` signals in which noise is drawn anew, with (period, first time) [s]
+    of the draws: between rows nobody knows it.
     """
 
     log: Log
@@ -192,13 +193,13 @@ class Record:
     suspects: tuple[str, ...] = ()
     computed: Mapping[str, float] = field(default_factory=dict)
     leads: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
-    ramps: frozenset[str] = frozenset()
+    ramps: Mapping[str, float] = field(default_factory=dict)
     fresh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def source(self, signal: str, name: str = "") -> Recorded:
         """Return what plays a logged input: held between its switches, each of which lies its lead before its row.
 
-        Where a ramp moves at row after row, lines join the rows.
+        Where a ramp moves at row after row, lines join the rows; a sensor reads them at its scans.
         """
         t, v = self.log.t, self.log[signal]
         moved = np.diff(v, prepend=np.nan) != 0.0
@@ -215,8 +216,12 @@ class Record:
         times.append(float(t[-1]) + self.log.dt)
         values.append(float(v[-1]))
         fresh = np.diff(times, prepend=-np.inf) > 0.0
-        hold = "linear" if signal in self.ramps else "previous"
-        return Recorded(signal, np.array(times)[fresh], np.array(values)[fresh], hold=hold, name=name)
+        rows, lines = np.array(times)[fresh], np.array(values)[fresh]
+        every = self.ramps.get(signal, 0.0)
+        if every > 0.0:
+            scans = np.arange(rows[0], rows[-1], every)
+            return Recorded(signal, scans, np.interp(scans, rows, lines), hold="previous", name=name)
+        return Recorded(signal, rows, lines, hold="linear" if signal in self.ramps else "previous", name=name)
 
     @cached_property
     def steps(self) -> dict[str, float]:

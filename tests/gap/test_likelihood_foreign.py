@@ -69,9 +69,20 @@ def test_a_right_model_of_another_hand_leaves_innovations_of_unit_size(plant: st
 
 def test_a_set_point_that_moves_at_each_row_is_a_ramp_if_that_is_likelier() -> None:
     found = when_switched(frame("batch_ramp"))
-    assert found.record.ramps == {"SP"}
-    held = Hypothesis(replace(found, record=replace(found.record, ramps=frozenset()))).filtered({})
+    assert found.record.ramps == {"SP": 0.0}
+    held = Hypothesis(replace(found, record=replace(found.record, ramps={}))).filtered({})
     assert held.nll > Hypothesis(found).filtered({}).nll + 500.0
+
+
+def test_a_ramp_that_a_sensor_has_read_goes_in_steps() -> None:
+    # a measured flow sets the set point: lines made each dead time, which holds its input for a scan, 100 nats likelier
+    found = when_switched(frame("ratio_feedforward"))
+    assert found.record.ramps == {"SP": found.scanned}
+    alone = Hypothesis(found).filtered({})
+    lines = Hypothesis(replace(found, record=replace(found.record, ramps={"SP": 0.0}))).filtered({})
+    assert lines.nll > alone.nll + 50.0
+    late = Hypothesis(found, effect("dead_time"), "process").filtered({"theta": 0.03})
+    assert late.nll > alone.nll
 
 
 def test_a_set_point_that_switches_is_no_ramp() -> None:
