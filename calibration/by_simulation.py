@@ -23,11 +23,11 @@ from stickslip.calibration.spec import LoopSpec
 from stickslip.detect.judge.answer import Amount
 from stickslip.detect.judge.features.network import one_look
 from stickslip.detect.judge.features.view import View
-from stickslip.detect.judge.model import rounded
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.logs import LoopRecord
 from stickslip.logs.chances import chance
 from stickslip.logs.processes import cores, one_thread, processes
+from stickslip.logs.two_digits import rounded
 
 LOOPS = 2000  # about 5 ms of one core each: some 6 s on two
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from stickslip.detect.judge.answer import Amount, answer
-from stickslip.detect.judge.model import rounded
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.signals.days import CYCLES_MIN, SAMPLES_MIN, WINDOWS_MAX, edges_of_days, part_of
 from stickslip.detect.words import Word
 from stickslip.logs import LoopRecord
+from stickslip.logs.two_digits import rounded
 
 PARTS = 6  # of a record of less than two days
 TESTED = 6  # windows: with fewer, no order is rare enough

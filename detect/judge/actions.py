@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from stickslip.logs.two_digits import rounded
+
 
 @dataclass(frozen=True)
 class Doing:
@@ -73,7 +75,5 @@ def confirming_steps(cause: str, S: float, unit: str) -> str:
     >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
     'put the loop in manual, move OP by 8 % one way until PV foll'
     """
-    from stickslip.detect.judge.model import rounded
-
     unit = unit.removesuffix(" of OP")  # it is OP that is moved
     return CAUSES[cause].test.format(start=rounded(2.0 * S), step=rounded(0.25 * S), count=6, unit=unit)

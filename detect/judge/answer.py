@@ -25,7 +25,7 @@ from stickslip.detect.judge.features import features_of, view_of
 from stickslip.detect.judge.features.earned import not_earned, usable
 from stickslip.detect.judge.features.view import View
 from stickslip.detect.judge.grounds import Ground, Picture, grounds
-from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
+from stickslip.detect.judge.model import Model, Opinion, calibrated
 from stickslip.detect.judge.own_slips import own_slips
 from stickslip.detect.judge.still_stem import Still, still_stem
 from stickslip.detect.likelihood.pooled import Evidence
@@ -36,6 +36,7 @@ from stickslip.detect.prepare.prepared import PERCENT, STEPS_MAX, Prepared
 from stickslip.detect.verdict import Verdict
 from stickslip.detect.words import Word
 from stickslip.logs.chances import chance
+from stickslip.logs.two_digits import rounded
 
 FAR = 2.0  # distance from the loops learnt from, over that of 95 % of them, from which on nothing is concluded
 # Facts of the data behind which nothing can be judged, where they forbid it.

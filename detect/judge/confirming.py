@@ -1,7 +1,7 @@
 """The confirming test of a sticky valve as a table: by how much OP is moved, and what each valve answers."""
 
 from stickslip.detect.judge.answer import Amount
-from stickslip.detect.judge.model import rounded
+from stickslip.logs.two_digits import rounded
 
 COLUMNS = ("step", "move OP by", "then OP is back by", "a sticky valve", "a valve that follows")
 STEPS, SHARE, AWAY = 6, 0.25, 2.0  # steps back, each of this share of S, after this many S one way

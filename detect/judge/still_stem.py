@@ -25,6 +25,7 @@ from stickslip.detect.prepare.prepared import Grid, Prepared
 from stickslip.detect.signals.smoothing import noise_std
 from stickslip.detect.stem.sound_valve import MUST_MOVE_PERCENT, NEED_NOT_MOVE_PERCENT
 from stickslip.detect.stem.stick import turns
+from stickslip.logs.two_digits import rounded
 
 WIDEST_PERCENT = 30.0  # % of OP: S + J beyond it is rarer than a tag that is dead (plants show S up to 15 %, J up to S)
 TURNS = 2  # of OP, by more than half of its range
@@ -79,7 +80,7 @@ def still_stem(loop: Prepared) -> Still | None:
         return None
     means, why = _meaning(loop, grid, float(np.mean(mv)), percent)
     if means == "sticks":
-        band = f"S + J above {float(f'{travel:.2g}'):g} {unit.replace('its span', 'OP').replace('its', 'the')}"
+        band = f"S + J above {rounded(travel):g} {unit.replace('its span', 'OP').replace('its', 'the')}"
         enough = percent is not None and MUST_MOVE_PERCENT <= travel <= WIDEST_PERCENT and turned >= TURNS
         means, why = ("sticks", f"it sticks, {band}, {why}") if enough else ("open", f"{band}, if {OPEN}")
     return Still(travel, unit, turned, means, why)

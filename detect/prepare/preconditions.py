@@ -10,6 +10,7 @@ from stickslip.detect.prepare.logged_part import SAMPLES_MIN
 from stickslip.detect.prepare.prepared import Grid, Prepared
 from stickslip.detect.stem.recent import LONGEST, recent, samples_per_period
 from stickslip.detect.verdict import Code, Verdict
+from stickslip.logs.two_digits import rounded
 
 ALWAYS: tuple[Code, ...] = (
     "no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive",
@@ -84,7 +85,7 @@ def undersampled(loop: Prepared) -> str:
         return ""
     return (
         f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: such a "
-        f"record shows the controller only. Log at {float(f'{samples * grid.dt / WANTED:.2g}'):g} s."
+        f"record shows the controller only. Log at {rounded(samples * grid.dt / WANTED):g} s."
     )
 
 

@@ -121,11 +121,11 @@ def _straight(alike: Alike, inputs: tuple[tuple[float, ...], ...], times: tuple[
     x = np.array(block.seen_start(), dtype=float)
     kept = [names.index(s) for s in line.states]
     table = np.vstack([line.moved, line.given])
-    points = [np.concatenate([x[kept], u, [now, 1.0]]) for u in map(np.array, inputs) for now in times]
+    asked = [(u, now) for u in map(np.array, inputs) for now in times]
+    points = [np.concatenate([x[kept], u, [now, 1.0]]) for u, now in asked]
     # slopes are exact to rounding of the largest values, which is more than a line gives near zero
     size = np.max([np.abs(table * point).sum(axis=1) for point in points], axis=0)
-    for point in points:
-        u, now = point[len(kept) : -2], float(point[-2])
+    for (u, now), point in zip(asked, points, strict=True):
         rates = np.asarray(block.dynamics(now, x, u), dtype=float)[kept]
         found = np.concatenate([rates, np.asarray(block.output(now, x, u), dtype=float)])
         if np.any(np.abs(found - table @ point) > NEARLY * size + ROUNDED):

@@ -108,11 +108,10 @@ def with_ramps(now: Innovations) -> Innovations:
     frame = now.hypothesis.frame
     for s in frame.record.played if frame.record.filter is None else ():
         if moves(frame.record, s):
-            before = frame
-            for every in dict.fromkeys((0.0, frame.scanned if frame.scanned < frame.record.log.dt else 0.0)):
-                record = replace(before.record, ramps={**before.record.ramps, s: every})
-                doubts = {**before.doubts, s: in_lines(record, s)}
-                found = tried(replace(now.hypothesis, frame=replace(before, record=record, doubts=doubts)), now.values)
+            doubts = {**frame.doubts, s: in_lines(frame.record, s)}
+            for every in (0.0, frame.scanned) if 0.0 < frame.scanned < frame.record.log.dt else (0.0,):
+                record = replace(frame.record, ramps={**frame.record.ramps, s: every})
+                found = tried(replace(now.hypothesis, frame=replace(frame, record=record, doubts=doubts)), now.values)
                 now = found if found is not None and found.nll < now.nll - GAIN else now
             frame = now.hypothesis.frame
     return now

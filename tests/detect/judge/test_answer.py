@@ -9,10 +9,11 @@ from stickslip.detect import diagnose
 from stickslip.detect.judge.actions import CAUSES, confirming_steps
 from stickslip.detect.judge.answer import LEVEL, Amount, answer, next_step
 from stickslip.detect.judge.features import features
-from stickslip.detect.judge.model import FILE, PLACE, SEEN, Model, calibrated, rounded
+from stickslip.detect.judge.model import FILE, PLACE, SEEN, Model, calibrated
 from stickslip.detect.prepare.prepared import Prepared
 from stickslip.detect.stem.stick import stick
 from stickslip.logs import LoopRecord, read_loop
+from stickslip.logs.two_digits import rounded
 
 from ..likelihood.loops import run
 
