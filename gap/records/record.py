@@ -219,7 +219,7 @@ class Record:
         rows, lines = np.array(times)[fresh], np.array(values)[fresh]
         every = self.ramps.get(signal, 0.0)
         if every > 0.0:
-            scans = np.arange(rows[0], rows[-1], every)
+            scans = every * np.arange(np.floor(rows[0] / every), np.ceil(rows[-1] / every))
             return Recorded(signal, scans, np.interp(scans, rows, lines), hold="previous", name=name)
         return Recorded(signal, rows, lines, hold="linear" if signal in self.ramps else "previous", name=name)
 

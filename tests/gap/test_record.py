@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stickslip.gap.fits.scans import read_off
 from stickslip.gap.fits.straightness import sloping
-from stickslip.gap.records.record import rounding
+from stickslip.gap.records.record import Record, rounding
+from stickslip.logs import Log
 
 
 @given(st.sampled_from([1e-6, 1e-3, 0.0015, 0.02, 0.25, 5.0]), st.integers(0, 1000))
@@ -37,3 +38,11 @@ def test_the_scan_of_a_controller_is_read_off_its_output(period, first):
 
 def test_an_output_that_is_always_new_shows_no_scan():
     assert read_off(np.arange(50.0), np.random.default_rng(0).normal(size=50)) == []
+
+
+def test_a_ramp_is_read_at_the_scans_whatever_the_rows_lie_at():
+    # analytic: rows at 0.4, 2.4, ... on the line u = t, read each 0.75 s from 0 on
+    t = 0.4 + 2.0 * np.arange(6)
+    source = Record(Log(t, {"SP": t}), ("SP",), (), ramps={"SP": 0.75}).source("SP")
+    for at in (2.5, 3.7, 6.1):
+        assert source.output(at, [], [])[0] == pytest.approx(0.75 * np.floor(at / 0.75), abs=1e-9)
