@@ -14,8 +14,7 @@ ways.  Errors are therefore given over the first 200 s, and period and amplitude
 
 Each part says on standard error when it begins and what it took.  ``--only ours,lsoda`` measures some of the parts,
 each of which has its own runs of ours to compare with: what was interrupted can be measured alone.  The longest by far
-are the interpreted ones, python-control on the diagram (about 7 s a simulated second) and the reference; they simulate
-10 and 20 s.
+are the interpreted ones, python-control on its twin and the reference, which simulates 20 s.
 
 ``--quick`` leaves out the interpreted reference and the diagram twin, lets python-control's twin simulate 50 s for its
 error only, and has the study do 20 runs.

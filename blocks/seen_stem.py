@@ -19,6 +19,7 @@ STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 SLOW = 2e-6  # [travel/s]
 STILL = 1e-6  # [travel/s]: as far as ``ct.linearize`` steps aside a stuck stem keeps its speed, so its slopes are 0
 HALT = 1e7  # [1/travel]: 1000 travel/s2 from 0.01 travel/s on
+TRACE = 1e-15  # [1/s2] of the pull on a stuck stem: where slopes are 0 a stiff solver steps aside until it breaks away
 
 
 def seen_mode(x: float, v: float, pull: float, breakaway: float, low: float, high: float) -> float:

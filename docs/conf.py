@@ -28,6 +28,7 @@ source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 suppress_warnings = ["config.cache", "misc.highlighting_failure"]
+highlight_language = "none"  # commands and reports; what is Python says so
 
 html_theme = "furo"
 html_title = f"stickslip {release}"
