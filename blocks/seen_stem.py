@@ -5,7 +5,8 @@
     |v| <= SLOW and |pull| > breakaway     sliding in the direction of the pull
     at a stop and pulled against it        stuck; what speed is left dies out
 
-So python-control can integrate it, also with its default method: a stuck stem is not stiff and does not creep.
+So python-control can integrate it, also with its default method: a stuck stem is not stiff, and creeps by less than
+1e-7 of travel in ten minutes.  Stiff methods need that trace of the pull (``TRACE``) for their Jacobian.
 Where friction stops a stem abruptly, the last of its speed dies out smoothly instead (``halted``): within 1e-6 of
 travel and 0.1 ms, but without a step in dv/dt, on which methods with a memory (LSODA) take no end of tiny steps.
 A stem that follows OP more slowly than SLOW stands still until the pull exceeds the breakaway force.
@@ -19,7 +20,7 @@ STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 SLOW = 2e-6  # [travel/s]
 STILL = 1e-6  # [travel/s]: as far as ``ct.linearize`` steps aside a stuck stem keeps its speed, so its slopes are 0
 HALT = 1e7  # [1/travel]: 1000 travel/s2 from 0.01 travel/s on
-TRACE = 1e-15  # [1/s2] of the pull on a stuck stem: where slopes are 0 a stiff solver steps aside until it breaks away
+TRACE = 1e-11  # [1/s2] of the pull on a stuck stem: where slopes are 0 a stiff solver steps aside until it breaks away
 
 
 def seen_mode(x: float, v: float, pull: float, breakaway: float, low: float, high: float) -> float:

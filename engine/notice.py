@@ -39,7 +39,7 @@ def noticed(what: str = ENGINE) -> Iterator[None]:
         nonlocal status, total
         if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
             if _TOLD.get(what) is not sys.stderr:
-                sys.stderr.write(f"stickslip: compiling what is new here of the {what}, once; up to half a minute\n")
+                sys.stderr.write(f"stickslip: compiling what is new here of the {what}, once; up to a minute\n")
                 sys.stderr.flush()
             _TOLD[what] = sys.stderr
         elif sys.stderr is not None and sys.stderr.isatty():

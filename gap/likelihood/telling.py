@@ -29,6 +29,7 @@ from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.gap.telling.structure import by_wiring
 
 LISTED = 12  # explanations in the ranking
+MOST_SAID = 1000  # standard deviations
 LEAST_DOUBT = 0.1  # of the limit: what leaves less than runs leave on average is not certain either
 
 
@@ -56,11 +57,11 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
     if not o.gap:
         words = [
             "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
-            f"is {o.alone.size:.1f} standard deviations, {o.alone.name}; {o.alone.limit:.1f} are usual)."
+            f"is {deviations(o.alone.size)}, {o.alone.name}; {o.alone.limit:.1f} are usual)."
         ]
         if o.alone.limit > MOST_LEFT:
             words.append(
-                f"Runs of the model itself leave up to {o.alone.limit:.0f} standard deviations: the filter loses its "
+                f"Runs of the model itself leave up to {deviations(o.alone.limit)}: the filter loses its "
                 "way near a kink, as a selector has one, so only a large gap shows."
             )
         relevant = least(o.null.hypothesis.frame)
@@ -123,23 +124,32 @@ def _named(o: Outcome) -> GapReport:
     return _report(o, words, best, where, causes, _ranking(o, sure), shrunk)
 
 
+def deviations(size: float) -> str:
+    """Return how unusual something is, in words; a log without noise has no scale that would tell more.
+
+    >>> deviations(4.21), deviations(2.9e10)
+    ('4.2 standard deviations', 'over 1,000 standard deviations')
+    """
+    return f"over {MOST_SAID:,} standard deviations" if size > MOST_SAID else f"{size:.1f} standard deviations"
+
+
 def _how_well(o: Outcome, best: Fit) -> str:
     """Return in words how well the named effects fit the log."""
     assert o.best is not None
     them = "both" if o.firsts else "it"
     if o.best.limit > MOST_LEFT:
         fits = (
-            f"Runs of the model with {them} leave up to {o.best.limit:.0f} standard deviations: the fit is not tested"
+            f"Runs of the model with {them} leave up to {deviations(o.best.limit)}: the fit is not tested"
         )
     elif o.best.size <= o.best.limit:
         fits = f"With {them} the model fits the log as well as it fits its own runs"
     else:
         fits = (
             f"With {them} the model fits the log nearly as well as it fits its own runs; without, its largest figure "
-            f"is {o.alone.size:.0f} standard deviations"
+            f"is {deviations(o.alone.size)}"
         )
     return (
-        f"{fits} (largest figure: {o.best.name}, {o.best.size:.1f} standard deviations; the log is "
+        f"{fits} (largest figure: {o.best.name}, {deviations(o.best.size)}; the log is "
         f"{o.null.nll - best.nll:,.0f} nats likelier)."
     )
 
@@ -155,9 +165,9 @@ def _unknown(o: Outcome) -> GapReport:
     if best is not None and o.best is not None:
         words.append(
             f"Nearest is {best.hypothesis}, with which the log is {o.null.nll - best.nll:,.0f} "
-            f"nats likelier, but it leaves {o.best.size:.1f} standard deviations in: {o.best.name}."
+            f"nats likelier, but it leaves {deviations(o.best.size)} in: {o.best.name}."
         )
-    words.append(f"What the model alone leaves shows most in: {o.alone.name}, {o.alone.size:.1f} standard deviations.")
+    words.append(f"What the model alone leaves shows most in: {o.alone.name}, {deviations(o.alone.size)}.")
     if o.rival is not None:
         words.append(said_of_rival(o.rival))
         if o.rival.explains:

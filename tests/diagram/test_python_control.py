@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import BDF
 from stickslip.blocks import Equations, FirstOrder, StateSpace, TransferFunction
+from stickslip.cases import find
 from stickslip.diagram import simulate, wire
 from stickslip.plant import SET_B, kicked, production_plant
 
@@ -97,3 +98,12 @@ def test_a_stiff_solver_keeps_its_step_beside_a_stuck_stem(stem):
     while solver.status == "running" and solver.nfev < 10_000:
         solver.step()
     assert solver.t == 1.5
+
+
+@pytest.mark.parametrize("method", ["RK45", "LSODA", "BDF", "Radau"])
+def test_every_method_of_python_control_simulates_the_thesis_loop(method):
+    """BDF and Radau did not end while the slopes of a stuck stem were exactly 0."""
+    loop = find("ideal_high").build()
+    ours = simulate(loop, 300.0, every=1.0).log
+    theirs = ct.input_output_response(loop, ours.t, 0, loop.x0, solve_ivp_method=method)
+    assert np.abs(theirs.outputs[loop.output_labels.index("PV")] - ours["PV"]).max() < 1e-3
