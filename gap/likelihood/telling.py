@@ -138,9 +138,7 @@ def _how_well(o: Outcome, best: Fit) -> str:
     assert o.best is not None
     them = "both" if o.firsts else "it"
     if o.best.limit > MOST_LEFT:
-        fits = (
-            f"Runs of the model with {them} leave up to {deviations(o.best.limit)}: the fit is not tested"
-        )
+        fits = f"Runs of the model with {them} leave up to {deviations(o.best.limit)}: the fit is not tested"
     elif o.best.size <= o.best.limit:
         fits = f"With {them} the model fits the log as well as it fits its own runs"
     else:
