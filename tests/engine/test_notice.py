@@ -19,7 +19,7 @@ def test_compiling_is_told_once_and_only_if_it_happens(monkeypatch):
     def four_times(x):
         return inner(inner(x))
 
-    for stream, words in ((io.StringIO(), "engine, once; up to half"), (Terminal(), "engine, once: 2 of ")):
+    for stream, words in ((io.StringIO(), "engine, once; up to a minute"), (Terminal(), "engine, once: 2 of ")):
         inner, outer = njit(twice), njit(four_times)
         monkeypatch.setattr(sys, "stderr", stream)
         with noticed():
