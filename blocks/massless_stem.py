@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy as np
 from stickslip.blocks.block import Block, Floats
-from stickslip.blocks.seen_stem import IDEAL, STUCK, TRACE, braked, halted, seen_mode
+from stickslip.blocks.seen_stem import IDEAL, STUCK, halted, seen_mode, stuck_rate
 
 JUMPING, SLIDING = 3000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 0.7 and 10 ms
 
@@ -46,7 +46,7 @@ class MasslessStem(Block):
         pull, pace = u[0] - x[0], JUMPING if J > 0.0 else SLIDING
         mode = self.d0[0] if self.keeps_mode else seen_mode(x[0], x[1], pull, 0.5 * (S + J), low, high)
         if mode == STUCK:
-            return np.array([0.0, braked(x[1], pace) + TRACE * pull])
+            return np.array([0.0, stuck_rate(x[1], pull, pace)])
         rate = pace * (pace * (pull - mode * 0.5 * (S - J)) - 2.0 * x[1])
         return np.array([x[1], halted(x[1], rate, 2.0 * pace) if abs(pull) <= 0.5 * (S + J) else rate])
 

@@ -21,6 +21,7 @@ SLOW = 2e-6  # [travel/s]
 STILL = 1e-6  # [travel/s]: as far as ``ct.linearize`` steps aside a stuck stem keeps its speed, so its slopes are 0
 HALT = 1e7  # [1/travel]: 1000 travel/s2 from 0.01 travel/s on
 TRACE = 1e-11  # [1/s2] of the pull on a stuck stem: where slopes are 0 a stiff solver steps aside until it breaks away
+EVEN = 2e-6  # [travel]: a pull as small leaves no trace, so ``ct.linearize`` at rest, which steps aside by half, sees none
 
 
 def seen_mode(x: float, v: float, pull: float, breakaway: float, low: float, high: float) -> float:
@@ -51,3 +52,8 @@ def braked(v: float, pace: float) -> float:
     """Return dv/dt of a stuck stem: what speed is left dies out, at ``pace`` [1/s] and ever slower near rest."""
     speed = max(abs(v) - STILL, 0.0)
     return -math.copysign(speed * (pace * speed / (speed + 10.0 * SLOW) + HALT * speed), v)
+
+
+def stuck_rate(v: float, pull: float, pace: float) -> float:
+    """Return dv/dt of a stuck stem that ``pull`` [travel] pulls at: it is ``braked``, and feels a trace of the pull."""
+    return braked(v, pace) + (TRACE * pull if abs(pull) > EVEN else 0.0)

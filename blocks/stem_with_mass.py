@@ -20,7 +20,7 @@ from stickslip.blocks.ports import Port, require
 from stickslip.blocks.quasi_static_stem import check_stops, started_between
 from stickslip.blocks.role import Role
 from stickslip.blocks.rules import not_negative, positive
-from stickslip.blocks.seen_stem import IDEAL, STUCK, TRACE, braked, halted, seen_mode
+from stickslip.blocks.seen_stem import IDEAL, STUCK, halted, seen_mode, stuck_rate
 
 
 class StemWithMass(Block):
@@ -67,7 +67,7 @@ class StemWithMass(Block):
         k, M, F_v, F_s = (float(self._p_now[self.param_index(key)]) for key in ("k", "M", "F_v", "F_s"))
         pace = 2.0 * (math.sqrt(k / M) + F_v / M)  # faster than the stem would come to rest by itself
         if not rates[0]:
-            rates[1] += braked(x[1], pace) + TRACE * (u[0] - x[0])
+            rates[1] += stuck_rate(x[1], u[0] - x[0], pace)
         elif k * abs(u[0] - x[0]) <= F_s:
             rates[1] = halted(x[1], rates[1], pace)
         return rates

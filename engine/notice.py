@@ -1,4 +1,4 @@
-"""Say on standard error that something is being compiled, because nothing else would be seen for half a minute.
+"""Say on standard error that something is being compiled, because nothing else would be seen for a minute.
 
 Each function is compiled when a record first needs it, so that several first runs may each have a part to compile.
 """
