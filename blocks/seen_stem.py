@@ -21,7 +21,7 @@ SLOW = 2e-6  # [travel/s]
 STILL = 1e-6  # [travel/s]: as far as ``ct.linearize`` steps aside a stuck stem keeps its speed, so its slopes are 0
 HALT = 1e7  # [1/travel]: 1000 travel/s2 from 0.01 travel/s on
 TRACE = 1e-11  # [1/s2] of the pull on a stuck stem: where slopes are 0 a stiff solver steps aside until it breaks away
-EVEN = 2e-6  # [travel]: a pull as small leaves no trace, so ``ct.linearize`` at rest, which steps aside by half, sees none
+EVEN = 2e-6  # [travel]: a pull as small leaves no trace, so ``ct.linearize`` at rest, which steps aside by half, has 0
 
 
 def seen_mode(x: float, v: float, pull: float, breakaway: float, low: float, high: float) -> float:
