@@ -24,18 +24,21 @@ class Source:
     loops: int
 
 
-# What is learnt from: to fit a network from nothing, to go on with that one, and the judge.
+# What the networks learn from, what the first of them then goes on with, and what the judge learns from.
 FIRST = (
-    Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
-    Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
-    Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
+    Source("crossed", 1000, "usual", 39_500), Source("crossed", 1200, "usual", 14_500),
+    Source("crossed", 2000, "usual", 170_000),
+    Source("training", 70_000, "usual", 12_000), Source("creeping", 70_100, "usual", 6_000),
 )  # fmt: skip
 AGAIN = (
     Source("crossed", 1000, "usual", 39_500), Source("crossed", 1200, "usual", 14_500),
+    Source("crossed", 2000, "usual", 20_000),
     Source("training", 70_000, "usual", 12_000), Source("creeping", 70_100, "usual", 6_000),
+    Source("training", 71_000, "usual", 80_000),
 )  # fmt: skip
-PASSES = 8  # over the loops of ``AGAIN``
-JUDGE = (Source("crossed", 11, "usual", 3000), Source("training", 84_200, "usual", 1000))
+PASSES = 3  # over the loops of ``AGAIN``
+SEEDS = (0, 1)  # of the random numbers that a network begins from
+JUDGE = (Source("crossed", 11, "usual", 9000), Source("training", 84_200, "usual", 3000))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -62,32 +65,32 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
         raise click.UsageError(str(error)) from None
 
 
-def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) -> None:
-    """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
-    from stickslip.calibration.network import PASSES as FROM_NOTHING
+def _networks(folder: Path, loops: int, workers: int | None) -> None:
+    """Fit the networks, whose scores the features of all loops contain, and write the shipped file.
+
+    The first goes on over more loops of the first law, which the other has seen few of.
+    """
     from stickslip.calibration.network import fit
     from stickslip.calibration.signals import PART, Examples, examples
-    from stickslip.detect.judge.features.network import FILE, Network
+    from stickslip.detect.judge.features.network import FILE, write
 
-    first = None if begun is None else Network.read(begun)
-    seen = [
-        examples(folder / f"signals_{one.law}_{one.kinds}_{one.seed}", one.seed, count, one.law, one.kinds, workers)
-        for one, count in _parts(FIRST if first is None else AGAIN, loops, PART)
-    ]
-    passes = FROM_NOTHING if first is None else PASSES
-    fit(Examples.joined(seen), click.echo, passes=passes, begun=first).write(FILE)
+    def seen(sources: Sequence[Source]) -> Examples:
+        many = loops * _total(sources) // _total(FIRST)
+        return Examples.joined([
+            examples(folder / f"signals_{one.law}_{one.kinds}_{one.seed}", one.seed, count, one.law, one.kinds, workers)
+            for one, count in _parts(sources, many, PART)
+        ])  # fmt: skip
+
+    every = seen(FIRST)
+    going_on, other = (fit(every, click.echo, seed) for seed in SEEDS)
+    write([fit(seen(AGAIN), click.echo, SEEDS[0], PASSES, going_on), other], FILE)
 
 
 @click.command()
 @click.option("--loops", type=click.IntRange(min=1), default=_total(JUDGE), show_default=True, help="for the judge")
 @click.option(
-    "--network", type=click.IntRange(min=0), default=None,
-    help=f"to fit the network on, by PyTorch; default: {_total(FIRST):,}, with --begun {_total(AGAIN):,}; 0: none, "
-    "the shipped network stays",
-)  # fmt: skip
-@click.option(
-    "--begun", type=click.Path(exists=True, dir_okay=False, path_type=Path), default=None,
-    help="network to go on from; default: from nothing",
+    "--network", type=click.IntRange(min=0), default=_total(FIRST), show_default=True,
+    help="to fit the networks on, by PyTorch; 0: none, the shipped networks stay",
 )  # fmt: skip
 @click.option(
     "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
@@ -97,21 +100,21 @@ def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) 
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, network: int | None, begun: Path | None, folder: Path, out: Path | None, workers: int | None,
+    loops: int, network: int, folder: Path, out: Path | None, workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
     from stickslip.calibration.network import MISSING
     from stickslip.calibration.training import fit
     from stickslip.detect.judge.model import FILE
 
-    if network != 0 and not find_spec("torch"):
+    if network and not find_spec("torch"):
         raise click.UsageError(MISSING)
-    if network != 0:
-        _network(folder, network or _total(FIRST if begun is None else AGAIN), begun, workers)
+    if network:
+        _networks(folder, network, workers)
     model = fit(_tables(folder, JUDGE, loops, workers), click.echo)
     file = out or FILE
     model.write(file)
-    click.echo(f"stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}")
+    click.echo(f"stiction from {model.accuse:.3f} on, contested {model.contested:.3f}, cleared up to {model.clear:.4f}")
 
 
 @click.command()

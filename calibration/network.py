@@ -19,20 +19,21 @@ __all__ = ["MISSING", "fit"]
 
 Say = Callable[[str], None]
 
-WIDTHS = {"stem": 40, "b1": 48, "b2": 48, "b3": 64, "b4": 64, "b5": 80, "b6": 80}  # channels
-HEADS, INNER = 4, 96  # weighted means over time; numbers f
-PASSES, BATCH, GROUP = 12, 64, 48  # over the loops; loops of a step; steps that loops are sorted by length in
+WIDTHS = {"stem": 64, "b1": 72, "b2": 72, "b3": 96, "b4": 96, "b5": 120, "b6": 120}  # channels
+HEADS, INNER = 4, 144  # weighted means over time; numbers f
+PASSES, BATCH, GROUP = 9, 64, 48  # over the loops; loops of a step; steps that loops are sorted by length in
 RATE, RISE, DECAY, DROPPED, SIZED = 2.5e-3, 15_000, 0.03, 0.1, 0.2
 SLOWER = 0.5  # of the rate, where a network goes on
 NEITHER = "deadband"  # dead travel without a jump: neither sticky nor sound
 CUT, LONG = 0.4, 200  # least share of a record that is kept, of records of so many points
-MISSING = 'PyTorch fits the network: pip install "stickslip[training]", or give --network 0 to keep the shipped one'
+MISSING = 'PyTorch fits the networks: pip install "stickslip[training]", or give --network 0 to keep the shipped ones'
 
 
 def fit(
     loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES, begun: Network | None = None
 ) -> Network:
-    """The network of simulated loops, from nothing or going on from ``begun``; ``say`` gets the loss of each pass.
+    """The network of simulated loops, from random numbers of ``seed`` or going on from ``begun``; ``say`` gets the loss
+    of each pass.
 
     Raises ``ImportError`` where PyTorch is not installed, ``ValueError`` where ``begun`` knows no such kind of loop.
     """

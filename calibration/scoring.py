@@ -57,12 +57,13 @@ def estimates(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
     """p(stiction) (n,), whether stiction is called, S and J (n, 3) [% of OP]: value, low, high."""
     said = opinions(model, t)
     p = np.array([0.5 if one is None else one.probability for one in said])
+    needed = np.array([math.inf if one is None else one.needed for one in said])
     nothing = (math.nan,) * 3
     S, J = (
         np.array([nothing if one is None else getattr(one, which) for one in said]).reshape(-1, 3) * t.unit[:, None]
         for which in ("S", "J")
     )
-    return p, (p >= model.accuse) & t.seen, S, J
+    return p, p >= needed, S, J
 
 
 def score(model: Model, t: Table) -> dict[str, Any]:

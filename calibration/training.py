@@ -2,6 +2,7 @@
 
 line        logit p = base + learnt s / max(1, d) + evidence g(G) by maximum likelihood (``detect.judge.model``)
 accuse      the least probability at which at most ``ALARMS`` of the loops without stiction are accused
+contested   the same for ``DOUBTED`` of them, where the record's own likelihood speaks against dead travel
 clear       the largest probability below which at most ``CLEARED`` of the sticky loops lie
 S, J        quantiles of the error of ln S, by how sure the likelihood is of it, and of ln J
 d           of all loops, sticky or not; 1 where ``INSIDE`` of them lie nearer
@@ -24,6 +25,7 @@ __all__ = ["fit"]
 Say = Callable[[str], None]
 
 ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, and nobody digs up a sound valve gladly
+DOUBTED = 0.005  # where what is learnt stands alone: a third of these
 CLEARED = 0.02
 TAILS = (0.05, 0.5, 0.95)
 INSIDE = 0.95
@@ -48,9 +50,10 @@ def fit(t: Table, say: Say = print) -> Model:
     alike = [own if own.sum() >= FEWEST else surely >= 0 for own in (surely == i for i in range(len(SHARES) + 1))]
     S = tuple(_errors(sticky.rows(own), "S", ln_at[own]) for own in alike)
     J = _errors(sticky, "J", _columns(sticky, ("network_J",))[:, 0])
+    accuse, contested = np.quantile(p[~judged.sticky], (1.0 - ALARMS, 1.0 - DOUBTED)).tolist()
+    clear = float(np.quantile(p[judged.sticky], CLEARED))
     return Model(
-        base, learnt, evidence, float(np.quantile(p[~judged.sticky], 1.0 - ALARMS)),
-        float(np.quantile(p[judged.sticky], CLEARED)), S, J, tuple(middle.tolist()),
+        base, learnt, evidence, accuse, contested, clear, S, J, tuple(middle.tolist()),
         tuple(tuple(row) for row in spread.tolist()), dict(OTHERS), {"fitted_on": len(judged)},
     )  # fmt: skip
 

@@ -207,7 +207,7 @@ STORIES = (
           "A method used outside its assumptions must say so instead of guessing.", sticky_level),
     Story("FIC-512", "FIC512_compressed.csv", "The same sticky valve after compression", "stiction",
           "Only the corner points survived the historian; straight lines join them.",
-          "Too little is left to judge: ask for raw data of an hour.", compressed_flow),
+          "The corners still show the stick; most methods need what lies between them.", compressed_flow),
 )  # fmt: skip
 
 

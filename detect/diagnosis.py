@@ -21,7 +21,7 @@ from stickslip.logs.processes import one_thread
 from stickslip.logs.shown import Shown
 
 SCHEMA = "stickslip.check/2"
-UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
+UNSURE, SURE = 0.2, 0.85  # probabilities between which simulation beside the model tells more, above in open answers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,7 +76,11 @@ class Diagnosis(Shown):
     def unsure(self) -> bool:
         """Whether the calibrated model is so uncertain that loops simulated like the record say more."""
         p = self.probability
-        return self.verdict != "no_stiction" and p is not None and UNSURE[0] <= p <= UNSURE[1]
+        return (
+            p is not None
+            and p >= UNSURE
+            and (self.verdict == "inconclusive" or (self.verdict == "stiction" and p <= SURE))
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""

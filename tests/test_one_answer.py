@@ -12,6 +12,7 @@ from matplotlib.text import Text
 from stickslip.calibration import draw, simulate
 from stickslip.cases.stories import EXPORTS
 from stickslip.detect import compare, diagnose
+from stickslip.detect.judge.model import calibrated
 from stickslip.detect.methods import area_ratio
 from stickslip.detect.words import WORDS
 from stickslip.logs import LoopRecord, read_log, read_loop, read_loops
@@ -54,7 +55,7 @@ def words_of(file, folder, *, pages, beside=False):
     scanned = call(cli, ["scan", str(folder / "one"), "--out", str(folder / "out"), "--workers", "1", "--json", "-"])
     content = json.loads(checked.stdout)
     if beside:
-        assert content["amount"] is None and content["simulation"]["together"] < 0.7
+        assert content["amount"] is None and content["simulation"]["together"] < calibrated().accuse
     found = {
         "diagnose": diagnose(record).verdict,
         "diagnose with one method": diagnose(record, [area_ratio]).verdict,
@@ -179,7 +180,7 @@ def test_long_records_are_no_exception():
 def test_a_confident_answer_says_why(tmp_path):
     file = real("CHEM1")
     found = diagnose(read_loop(file))
-    assert found.verdict == "stiction" and len(found.because) == 2 and set(found.amount) == {"S", "J"}
+    assert found.verdict == "stiction" and len(found.because) == 3 and set(found.amount) == {"S", "J"}
     assert "do not apply" not in found.reason
     assert found.to_dict()["because"] == list(found.because)
     out = " ".join(CliRunner().invoke(cli, ["check", str(file)]).output.split())
@@ -193,7 +194,6 @@ def test_a_confident_answer_says_why(tmp_path):
 def test_reasons_are_drawn_from_what_decided():
     """The shares of the two kinds of evidence and the base are the log odds (analytic)."""
     from stickslip.detect.judge.features import features
-    from stickslip.detect.judge.model import calibrated
     from stickslip.detect.prepare.prepared import Prepared
 
     model = calibrated()

@@ -1,8 +1,9 @@
-"""Why the model says what it says: the kinds of evidence that moved its log odds most, in words with their numbers.
+"""Why the model says what it says: the kinds of evidence that moved its log odds, in words with their numbers.
 
     weight of a kind of evidence = its share in the log odds (``model.Model.shares``), which is exact: they are a sum
 
-Only what speaks for the verdict is said, the weightiest first, with the picture that shows it.
+What speaks for the verdict comes first, the weightiest first, with the picture that shows it.  Then come parts of the
+record that say the same alone, and what speaks against it.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,30 +24,48 @@ class Ground(NamedTuple):
 
 
 def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Ground, ...]:
-    """The reasons for a verdict: the kinds of evidence that moved the log odds its way.
+    """The reasons for a verdict, and what speaks against it.
 
     ``found`` features by name; ``shares`` of them in the log odds [-]; ``sticks`` what the verdict says.
 
-    >>> features = {"dead_travel": 40.0, "network_sticky": 2.0}
-    >>> (only,) = grounds(features, {"dead_travel": 1.5, "network_sticky": -0.2}, True)
-    >>> only.words, only.picture
-    ('A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).', 'dead_travel')
+    >>> features = {"dead_travel": 40.0, "network_sticky": -0.2, "network_first": 0.1, "network_last": -0.5}
+    >>> for one in grounds(features, {"dead_travel": 1.5, "network_sticky": -0.2}, True):
+    ...     print(one.words)
+    A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).
+    Against it: PV laid along OP has the pattern of simulated loops whose valve does not stick (log odds -0.2).
     >>> grounds({"dead_travel": 100.0}, {"dead_travel": 1.5, "network_sticky": 0.0}, True)[0].words
     'A stem with dead travel predicts PV better than every rival, by more than 100 nats (log odds +1.5).'
     """
     sign = 1.0 if sticks else -1.0
-    first = sorted((name for name in KINDS if sign * shares[name] >= LEAST), key=lambda name: -sign * shares[name])
-    return tuple(
-        Ground(f"{KINDS[name][0](found, sticks)} (log odds {shares[name]:+.1f}).", KINDS[name][1]) for name in first
-    )
+    first = sorted((name for name in KINDS if abs(shares[name]) >= LEAST), key=lambda name: -sign * shares[name])
+    said = {name: f"{KINDS[name][0](found)} (log odds {shares[name]:+.1f})." for name in first}
+    ahead = [Ground(said[name], KINDS[name][1]) for name in first if sign * shares[name] > 0.0]
+    against = [Ground(f"Against it: {_small(said[name])}", "") for name in first if sign * shares[name] < 0.0]
+    return (*ahead, *_parts(found, shares["network_sticky"], sign), *against)
 
 
-def _learnt(found: Found, sticks: bool) -> str:
-    like = "with a sticky valve" if sticks else "whose valve does not stick"
-    return f"PV laid along OP has the pattern of simulated loops {like}, by the learnt convolutions"
+def _parts(found: Found, share: float, sign: float) -> list[Ground]:
+    """That either part of the record says the same alone; nothing where they differ, or do not count."""
+    whole = found.get("network_sticky", 0.0)
+    each = [share * found[name] / whole for name in ("network_first", "network_last") if whole and name in found]
+    if len(each) < 2 or sign * share < LEAST or any(sign * odds < LEAST for odds in each):
+        return []
+    first, last = each
+    return [
+        Ground(f"The first and the last 80 % of the record have it too (log odds {first:+.1f} and {last:+.1f}).", "")
+    ]
 
 
-def _travel(found: Found, sticks: bool) -> str:
+def _small(words: str) -> str:
+    return words if words.startswith("PV ") else words[0].lower() + words[1:]
+
+
+def _learnt(found: Found) -> str:
+    like = "with a sticky valve" if found["network_sticky"] > 0.0 else "whose valve does not stick"
+    return f"PV laid along OP has the pattern of simulated loops {like}"
+
+
+def _travel(found: Found) -> str:
     gain = found["dead_travel"]
     more = "more than " if abs(gain) >= MOST_NATS else ""
     if gain > 0.0:
@@ -54,7 +73,7 @@ def _travel(found: Found, sticks: bool) -> str:
     return f"No stem with dead travel predicts PV better than the best rival; it lacks {more}{-gain:.0f} nats"
 
 
-KINDS: Mapping[str, tuple[Callable[[Found, bool], str], Picture]] = {
+KINDS: Mapping[str, tuple[Callable[[Found], str], Picture]] = {
     "network_sticky": (_learnt, "learnt"), "dead_travel": (_travel, "dead_travel"),
 }  # fmt: skip
 """What says each kind of evidence, by its feature, and what shows it."""

@@ -11,6 +11,9 @@ the record lies from the loops that were learnt from, in samples a turn of OP, t
 of Mahalanobis), over the distance within which 95 % of these lie.  So the learnt odds fall back as the record leaves
 what was learnt, and the evidence, which nothing has to learn, keeps its weight.
 
+Stiction is called from ``accuse`` on, and from ``contested`` on where dead travel loses ``GAIN_NATS``: what is learnt
+may hold in simulation only, and then the record's own likelihood has to agree or the learnt odds have to be higher.
+
 The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  All numbers
 come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``, plain JSON.
 """
@@ -24,10 +27,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from stickslip.detect.likelihood.pooled import GAIN_NATS
 from stickslip.logs.arrays import Indices, Values
 
 FILE = Path(__file__).with_name("calibration.json")
-SCHEMA = "stickslip.calibration.model/4"
+SCHEMA = "stickslip.calibration.model/5"
 APART = 1.7  # factor: in an even cycle without noise the likeliest S may be half or twice the true one
 SHARES = (0.0, 0.44, 0.66)  # of the likelihood in S, from which on its error is another: any, 40 nats, 100 nats
 NATS = 5.0  # up to which a gain counts in full; more of them tell less and less
@@ -43,12 +47,14 @@ class Opinion:
     causes : probability of each cause [-], they sum to 1, largest first
     S, J : (median, low, high) over OP's travel [-], should the valve stick; interval of 90 %
     far : distance from the loops learnt from, over that of 95 % of them [-]
+    needed : probability of stiction from which on it is called [-]
     """
 
     causes: dict[str, float]
     S: tuple[float, float, float]
     J: tuple[float, float, float]
     far: float
+    needed: float
 
     @property
     def probability(self) -> float:
@@ -61,7 +67,8 @@ class Model:
     """The numbers of the judge; see the module.
 
     base, learnt, evidence : of the log odds
-    accuse, clear : stiction is called from this probability on, no stiction only up to that one [-]
+    accuse, contested, clear : stiction is called from this probability on; from that one on where dead travel loses
+        ``GAIN_NATS``; no stiction only up to the last [-]
     S, J : quantiles of 5, 50 and 95 % of the error of ln S, by how sure it is (``sure``), and of ln J
     middle, spread : (3, 3) mean of ``PLACE`` and inverse of its covariance, over the square of the 95 % distance
     kinds : cause of each kind of loop that the network tells apart, but for those that stick
@@ -72,6 +79,7 @@ class Model:
     learnt: float
     evidence: float
     accuse: float
+    contested: float
     clear: float
     S: tuple[tuple[float, float, float], ...]
     J: tuple[float, float, float]
@@ -84,6 +92,14 @@ class Model:
         """The distance d (n,) [-] of records by their features ``PLACE`` (n, 3)."""
         off = place - np.array(self.middle)
         return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", off, np.array(self.spread), off)))
+
+    def needed(self, gain: float | Values) -> Values:
+        """The probability of stiction from which on it is called [-], by what dead travel gains [nats], NaN if nothing.
+
+        >>> calibrated().needed(np.array([5.0, np.nan, -40.0])) > calibrated().accuse
+        array([False, False,  True])
+        """
+        return np.where(np.asarray(gain) <= -GAIN_NATS, self.contested, self.accuse)
 
     def shares(self, found: Mapping[str, float]) -> dict[str, float]:
         """What the network and the evidence add to the log odds of one record, by the names of ``SEEN``."""
@@ -106,6 +122,7 @@ class Model:
         return Opinion(
             dict(sorted(causes.items(), key=lambda item: -item[1])),
             (S[1], S[0], S[2]), (J[1], J[0], J[2]), float(self.far(self._place(found))[0]),
+            float(self.needed(found.get("dead_travel", math.nan))),
         )  # fmt: skip
 
     def _place(self, found: Mapping[str, float]) -> Values:

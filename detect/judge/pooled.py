@@ -1,7 +1,8 @@
 """One valve, many records: one answer, from what every record says and from the evidence that they add up to.
 
-    odds of stiction   = median over the records of the model's odds, and where the pooled evidence calls dead travel,
-                         times exp(min((G - g) / 10, 5)),   G its gain, g that of the middle record [nats]
+    odds of stiction   = median over the records of the model's odds, and where the pooled evidence calls dead travel or
+                         excludes it, times exp((G - g) / 10), within exp(-5) and exp(5),   G its gain, g that of the
+                         middle record [nats]
     called             only where a record calls it, or the pooled evidence does; one record has its own answer
     seen               where more than half of the records show the stem or the valve's own slips, these answer
     cleared            only where that is the median, no record calls stiction, and the pooled evidence excludes it
@@ -65,12 +66,13 @@ def pooled(
     odds = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
     mean = dict(sorted(odds.items(), key=lambda item: -item[1]))
     total = math.fsum(mean.values())
-    plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
-    opinion = _raised(plain, found)
+    plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0)
+    opinion = _weighed(plain, found)
     p = opinion.probability
     integrates = any(loop.integrating for loop in loops)
+    needed = LEVEL if integrates else float(model.needed(math.nan if found is None else found.gain))
     called = any(a.word == "stiction" for a in answers) or (found is not None and found.accuses)
-    word: Word = "stiction" if called and p >= (LEVEL if integrates else model.accuse) else "inconclusive"
+    word: Word = "stiction" if called and p >= needed else "inconclusive"
     excused = found is not None and found.clears and not any(a.word == "stiction" for a in answers)
     if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
         word = "no_stiction"
@@ -101,20 +103,20 @@ def pooled(
     )  # fmt: skip
 
 
-def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:
-    """The opinion with the odds of dead travel raised by what the records gain together beyond the middle one.
+def _weighed(opinion: Opinion, found: Evidence | None) -> Opinion:
+    """The opinion with the odds of dead travel times what the records gain, or lose, together beyond the middle one.
 
-    A deadband is raised among the other causes only: the model's probability of stiction leaves it out.
+    A deadband is weighed among the other causes only: the model's probability of stiction leaves it out.
     Ten nats count as one, because errors of a wrong model agree with each other; no evidence counts for more than five,
     because PV may have reasons that no rival has.
     """
-    if found is None or not found.accuses:
+    if found is None or not (found.accuses or found.clears):
         return opinion
     more = found.gain - float(np.median([day.gain for day in found.days]))
-    raised = math.exp(min(max(more, 0.0) / TEMPER, MOST))
+    times = math.exp(min(max(more / TEMPER, -MOST), MOST))
     p = opinion.probability
-    sticks = p * raised / (p * raised + 1.0 - p)
-    others = {name: q * (raised if name == "deadband" else 1.0) for name, q in opinion.causes.items()}
+    sticks = p * times / (p * times + 1.0 - p)
+    others = {name: q * (times if name == "deadband" else 1.0) for name, q in opinion.causes.items()}
     del others["stiction"]
     total = math.fsum(others.values())
     causes = {"stiction": sticks} | {name: (1.0 - sticks) * q / total for name, q in others.items()}

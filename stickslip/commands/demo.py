@@ -24,13 +24,13 @@ LEAD = (
 )
 WITH_REAL = "; then real loops, labelled by experts"
 GUIDE = (
-    "How to read it: the verdict weighs all that a record shows. The lower picture is one piece of "
-    "evidence, the area ratio where it applies: the control error SP - PV is cut into half waves, and each half wave "
-    "at its peak. R is the area "
-    "before the peak over the area after it. Tight tuning or an outside wave gives R near 1. A valve that sticks and "
-    "then jumps lets PV creep to its peak and throws it back: the peak comes late, and R above 1.25 is called "
-    "stiction when both half waves show it. A sticky valve behind a slow process or under noise has R near 1 too, so "
-    "that clears no valve. Where the method's assumptions do not hold it abstains and says why."
+    "How to read it: the verdict weighs all that a record shows. The lower picture shows what decided it, and words "
+    "below it say what to look for. Where nothing decided, it shows a method that has evidence of its own. The area "
+    "ratio is such a method. It cuts the control error SP - PV into half waves, and each half wave at its peak. R is "
+    "the area before the peak over the area after it. Tight tuning or an outside wave gives R near 1. A valve that "
+    "sticks and then jumps lets PV creep to its peak and throws it back. Then R is above 1.25 in both half waves. A "
+    "sticky valve behind a slow process or under noise has R near 1 too, so that clears no valve. Where the "
+    "assumptions of a method do not hold, it abstains and says why."
 )
 
 

@@ -7,7 +7,7 @@ from stickslip.calibration.__main__ import calibration
 from stickslip.calibration.network import MISSING, fit
 from stickslip.calibration.scoring import auc
 from stickslip.calibration.signals import Examples, examples
-from stickslip.detect.judge.features.network import CHANNELS, LEAST, shipped_network
+from stickslip.detect.judge.features.network import CHANNELS, LEAST, shipped_networks
 
 RNG = np.random.default_rng(5)
 
@@ -74,7 +74,7 @@ def test_a_network_that_goes_on_is_at_first_the_one_it_began_with():
     torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
     from stickslip.calibration.network import go_on, taken, untrained
 
-    begun = shipped_network()
+    (begun, *_) = shipped_networks()
     model = untrained(len(begun.kinds))
     go_on(model, begun)
     same = taken(model, begun.kinds)
@@ -94,4 +94,4 @@ def test_a_network_that_goes_on_refuses_kinds_that_it_does_not_know():
     pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
     with pytest.raises(ValueError, match="knows no new kind"):
         loops = made(20)
-        fit(Examples(loops.x, np.full(20, "new kind"), loops.size), begun=shipped_network())
+        fit(Examples(loops.x, np.full(20, "new kind"), loops.size), begun=shipped_networks()[0])

@@ -22,7 +22,7 @@ def test_without_real_loops(call, alone):
     assert answer["page"] == str(alone / "page" / "index.html")
     scores = {loop["loop"].replace("-", ""): loop["score"] for loop in answer["loops"]}
     assert scores == {
-        "FIC101": "right", "TIC204": "abstained", "PIC305": "right", "LIC410": "right", "FIC512": "abstained",
+        "FIC101": "right", "TIC204": "abstained", "PIC305": "right", "LIC410": "right", "FIC512": "right",
     }  # snapshot: the calibrated verdict  # fmt: skip
     for loop in answer["loops"]:
         assert {"truth", "score", "title", "verdict", "reason", "methods"} <= set(loop)

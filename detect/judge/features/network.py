@@ -1,4 +1,4 @@
-"""Scores of a network of convolutions over OP, PV, e, what is new in PV, and what each size of stick would leave new.
+"""Scores of networks of convolutions over OP, PV, e, what is new in PV, and what each size of stick would leave new.
 
     h_0 = x                  22 channels: odd ones, r and dy along the way of OP, |w| (``channels``), ``candidates``
     h   = max(W * h + b, 0)  seven layers; four double the time between two points, three add what they got to it
@@ -8,11 +8,12 @@
     score_g = ln of the share of exp(z_g) among all,   score_sticky = ln of the odds of the sticky kinds
 
 A loop drawn upside down sticks as much, and so does a part of its record: the features are the means of six scores, of
-the whole and of its first and last ``PART``, and of each with the odd channels negated.
+the whole and of its first and last ``PART``, and of each with the odd channels negated.  The scores are means over
+networks that began from other random numbers: where they differ, none of them knows.
 Fitted on simulated loops that nothing else is fitted on (``stickslip.calibration.network``), run here in plain numpy.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -23,9 +24,10 @@ import numpy.typing as npt
 from stickslip.detect.judge.features.candidates import CANDIDATES, candidates
 from stickslip.detect.judge.features.channels import EVEN, ODD, channels
 from stickslip.detect.judge.features.view import View
+from stickslip.logs.files.write import replacing
 
 Singles = npt.NDArray[np.float32]
-FILE = Path(__file__).parents[1] / "network.npz"
+FILE = Path(__file__).parents[1] / "networks.npz"
 
 CHANNELS = ODD + EVEN + CANDIDATES
 FLIPPED = np.r_[np.ones(ODD), np.zeros(EVEN), np.ones(CANDIDATES)].astype(bool)  # change sign if OP and PV do
@@ -39,6 +41,7 @@ POOLED = ("b2", "b4")
 LEAST = -12.0  # a score is no further from zero
 STICKY = ("cycling", "excited")  # kinds of loop whose valve sticks
 STRIDE = 16  # points of x in one of the last layer
+STEPS = 127  # of a weight in a file, from zero to the largest of its row
 
 
 def seen_by(v: View) -> Singles:
@@ -94,17 +97,31 @@ class Network:
     def _linear(self, name: str, x: Singles) -> Singles:
         return np.asarray(self.weights[f"{name}/w"] @ x + self.weights[f"{name}/b"][:, None])
 
-    def write(self, file: Path) -> None:
-        """Keep the network in a file, in half precision."""
-        halves: dict[str, Any] = {name: w.astype(np.float16) for name, w in self.weights.items()}
-        np.savez_compressed(file, kinds=np.array(self.kinds), **halves)
 
-    @classmethod
-    def read(cls, file: Path) -> "Network":
-        """The network kept in a file."""
-        with np.load(file, allow_pickle=False) as kept:
-            weights = {name: kept[name].astype(np.float32) for name in kept.files if name != "kinds"}
-            return cls(weights, tuple(kept["kinds"].tolist()))
+def write(networks: Sequence[Network], file: Path) -> None:
+    """Write networks of the same kinds of loop into a file, each weight as one byte times the unit of its row."""
+    kept: dict[str, Any] = {"kinds": np.array(networks[0].kinds)}
+    for k, network in enumerate(networks):
+        for name, w in network.weights.items():
+            if w.ndim == 1:
+                kept[f"{k}/{name}"] = w
+                continue
+            unit = np.maximum(np.abs(w).max(axis=1, keepdims=True) / STEPS, np.finfo(np.float32).tiny)
+            kept |= {f"{k}/{name}": np.rint(w / unit).astype(np.int8), f"{k}/{name}/unit": unit.astype(np.float32)}
+    with replacing(file) as part, part.open("wb") as whole:
+        np.savez_compressed(whole, **kept)
+
+
+def read(file: Path) -> tuple[Network, ...]:
+    """Return the networks that a file holds."""
+    with np.load(file, allow_pickle=False) as kept:
+        kinds, weights = tuple(kept["kinds"].tolist()), dict[str, dict[str, Singles]]()
+        for key in kept.files:
+            number, _, name = key.partition("/")
+            if name and not name.endswith("/unit"):
+                unit = kept[f"{key}/unit"] if f"{key}/unit" in kept.files else np.float32(1.0)
+                weights.setdefault(number, {})[name] = kept[key] * unit
+    return tuple(Network(own, kinds) for own in weights.values())
 
 
 def _taps(x: Singles, taps: int, stride: int, spread: int) -> Singles:
@@ -116,25 +133,31 @@ def _taps(x: Singles, taps: int, stride: int, spread: int) -> Singles:
 
 
 @cache
-def shipped_network() -> Network:
-    """The network that the package ships."""
-    return Network.read(FILE)
+def shipped_networks() -> tuple[Network, ...]:
+    """The networks that the package ships."""
+    return read(FILE)
 
 
 def one_look(v: View) -> dict[str, float]:
-    """The scores of the record as it is, by name [-]: a quarter of the work, to compare thousands of loops by."""
-    return _named(shipped_network().scores(seen_by(v)))
+    """The scores of the first network alone, of the record as it is, by name [-]: to compare thousands of loops by."""
+    return _named(shipped_networks()[0].scores(seen_by(v)))
 
 
 def network_features(v: View) -> dict[str, float]:
-    """The features of this family by name [-]: means of the scores over the whole, its parts and both signs."""
-    n = int(PART * len(v))
-    looks = [
-        seen_by(replace(v, u=v.u[part], y=v.y[part], e=v.e[part])) for part in (slice(None), slice(n), slice(-n, None))
-    ]
-    both = [x for look in looks for x in (look, np.where(FLIPPED[:, None], -look, look))]
-    return _named(np.mean([shipped_network().scores(x) for x in both], axis=0))
+    """The features of this family by name [-]: means of the scores over the whole, its parts and both signs, and the
+    odds of its parts alone.
+    """
+    n, alone = int(PART * len(v)), []
+    for part in (slice(None), slice(n), slice(-n, None)):
+        look = seen_by(replace(v, u=v.u[part], y=v.y[part], e=v.e[part]))
+        alone.append(0.5 * (_scores(look) + _scores(np.where(FLIPPED[:, None], -look, look))))
+    first, last = (_named(scores)["network_sticky"] for scores in alone[1:])
+    return _named(np.mean(alone, axis=0)) | {"network_first": first, "network_last": last}
+
+
+def _scores(x: Singles) -> Singles:
+    return np.asarray(np.mean([network.scores(x) for network in shipped_networks()], axis=0))
 
 
 def _named(scores: Singles) -> dict[str, float]:
-    return {f"network_{name}": float(value) for name, value in zip(shipped_network().names, scores, strict=True)}
+    return {f"network_{name}": float(value) for name, value in zip(shipped_networks()[0].names, scores, strict=True)}

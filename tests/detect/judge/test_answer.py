@@ -225,3 +225,17 @@ def test_in_a_process_that_integrates_stiction_is_called_from_a_higher_probabili
     assert found.word == word
     assert ("a deadband without jump makes a loop cycle" in found.reason) == (word == "inconclusive")
     assert answer(loop, Sure(0.999)).word == "stiction"
+
+
+def test_stiction_needs_more_where_the_records_own_likelihood_speaks_against_it(sticky):
+    """Between the two limits a record is called whose dead travel does not lose ten nats, and left open else."""
+    model = calibrated()
+    between = Sure(0.5 * (model.accuse + model.contested))
+    assert model.accuse < model.contested < 1.0
+    assert answer(Prepared(sticky), between).word == "stiction"
+    op, pv = run(S=0.0, seed=3)
+    loop = Prepared(LoopRecord.from_arrays(np.arange(2000.0), pv=pv, op=op, op_span=(0.0, 100.0)))
+    assert loop.dead_travel.gain < -10.0
+    found = answer(loop, between)
+    assert found.word == "inconclusive" and f"{100.0 * model.contested:.0f} % and more" in found.reason
+    assert answer(loop, Sure(0.5 * (model.contested + 1.0))).word == "stiction"
