@@ -2,8 +2,8 @@
 
     weight of a kind of evidence = its share in the log odds (``model.Model.shares``), which is exact: they are a sum
 
-What speaks for the verdict comes first, the weightiest first, with the picture that shows it.  Then come parts of the
-record that say the same alone, and what speaks against it.
+What speaks for the verdict comes first, the weightiest first, with the picture that shows it; behind the pattern whether
+parts of the record have it too.  Then comes what speaks against the verdict.
 """
 
 from collections.abc import Callable, Mapping
@@ -39,9 +39,13 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Gr
     sign = 1.0 if sticks else -1.0
     first = sorted((name for name in KINDS if abs(shares[name]) >= LEAST), key=lambda name: -sign * shares[name])
     said = {name: f"{KINDS[name][0](found)} (log odds {shares[name]:+.1f})." for name in first}
-    ahead = [Ground(said[name], KINDS[name][1]) for name in first if sign * shares[name] > 0.0]
+    ahead = list[Ground]()
+    for name in first:
+        if sign * shares[name] > 0.0:
+            parts = _parts(found, shares[name], sign) if name == "network_sticky" else []
+            ahead += [Ground(said[name], KINDS[name][1]), *parts]
     against = [Ground(f"Against it: {_small(said[name])}", "") for name in first if sign * shares[name] < 0.0]
-    return (*ahead, *_parts(found, shares["network_sticky"], sign), *against)
+    return (*ahead, *against)
 
 
 def _parts(found: Found, share: float, sign: float) -> list[Ground]:
