@@ -2,8 +2,8 @@
 
     weight of a kind of evidence = its share in the log odds (``model.Model.shares``), which is exact: they are a sum
 
-What speaks for the verdict comes first, the weightiest first, with the picture that shows it; behind the pattern whether
-parts of the record have it too.  Then comes what speaks against the verdict.
+What speaks for the verdict comes first, the weightiest first, with the picture that shows it.  Behind the pattern comes
+whether parts of the record have it too, and then what speaks against the verdict.
 """
 
 from collections.abc import Callable, Mapping
