@@ -26,9 +26,9 @@ class Source:
 
 # What the networks learn from, what the first of them then goes on with, and what the judge learns from.
 FIRST = (
+    Source("creeping", 70_100, "usual", 6_000),
     Source("crossed", 1000, "usual", 39_500), Source("crossed", 1200, "usual", 14_500),
-    Source("crossed", 2000, "usual", 170_000),
-    Source("training", 70_000, "usual", 12_000), Source("creeping", 70_100, "usual", 6_000),
+    Source("crossed", 2000, "usual", 170_000), Source("training", 70_000, "usual", 12_000),
 )  # fmt: skip
 AGAIN = (
     Source("crossed", 1000, "usual", 39_500), Source("crossed", 1200, "usual", 14_500),

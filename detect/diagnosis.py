@@ -76,11 +76,8 @@ class Diagnosis(Shown):
     def unsure(self) -> bool:
         """Whether the calibrated model is so uncertain that loops simulated like the record say more."""
         p = self.probability
-        return (
-            p is not None
-            and p >= UNSURE
-            and (self.verdict == "inconclusive" or (self.verdict == "stiction" and p <= SURE))
-        )
+        most = 1.0 if self.verdict == "inconclusive" else SURE
+        return p is not None and self.verdict != "no_stiction" and UNSURE <= p <= most
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""

@@ -55,7 +55,7 @@ def words_of(file, folder, *, pages, beside=False):
     scanned = call(cli, ["scan", str(folder / "one"), "--out", str(folder / "out"), "--workers", "1", "--json", "-"])
     content = json.loads(checked.stdout)
     if beside:
-        assert content["amount"] is None and content["simulation"]["together"] < calibrated().accuse
+        assert content["amount"] is None and content["simulation"]["together"] < 0.7
     found = {
         "diagnose": diagnose(record).verdict,
         "diagnose with one method": diagnose(record, [area_ratio]).verdict,

@@ -93,13 +93,13 @@ class Model:
         off = place - np.array(self.middle)
         return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", off, np.array(self.spread), off)))
 
-    def needed(self, gain: float | Values) -> Values:
+    def needed(self, gain: float) -> float:
         """The probability of stiction from which on it is called [-], by what dead travel gains [nats], NaN if nothing.
 
-        >>> calibrated().needed(np.array([5.0, np.nan, -40.0])) > calibrated().accuse
-        array([False, False,  True])
+        >>> [calibrated().needed(gain) > calibrated().accuse for gain in (5.0, math.nan, -40.0)]
+        [False, False, True]
         """
-        return np.where(np.asarray(gain) <= -GAIN_NATS, self.contested, self.accuse)
+        return self.contested if gain <= -GAIN_NATS else self.accuse
 
     def shares(self, found: Mapping[str, float]) -> dict[str, float]:
         """What the network and the evidence add to the log odds of one record, by the names of ``SEEN``."""
@@ -122,7 +122,7 @@ class Model:
         return Opinion(
             dict(sorted(causes.items(), key=lambda item: -item[1])),
             (S[1], S[0], S[2]), (J[1], J[0], J[2]), float(self.far(self._place(found))[0]),
-            float(self.needed(found.get("dead_travel", math.nan))),
+            self.needed(found.get("dead_travel", math.nan)),
         )  # fmt: skip
 
     def _place(self, found: Mapping[str, float]) -> Values:

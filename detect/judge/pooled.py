@@ -70,7 +70,7 @@ def pooled(
     opinion = _weighed(plain, found)
     p = opinion.probability
     integrates = any(loop.integrating for loop in loops)
-    needed = LEVEL if integrates else float(model.needed(math.nan if found is None else found.gain))
+    needed = LEVEL if integrates else model.needed(math.nan if found is None else found.gain)
     called = any(a.word == "stiction" for a in answers) or (found is not None and found.accuses)
     word: Word = "stiction" if called and p >= needed else "inconclusive"
     excused = found is not None and found.clears and not any(a.word == "stiction" for a in answers)
