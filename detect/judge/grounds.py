@@ -33,6 +33,9 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Gr
     ...     print(one.words)
     A stem with dead travel predicts PV better than every rival, by 40 nats (log odds +1.5).
     Against it: PV laid along OP has the pattern of simulated loops whose valve does not stick (log odds -0.2).
+    >>> features = {"dead_travel": 40.0, "network_sticky": 2.0, "network_first": 2.5, "network_last": -0.1}
+    >>> grounds(features, {"dead_travel": 0.0, "network_sticky": 2.0}, True)[1].words
+    'The first 80 % of the record has it too (log odds +2.5); the last has not (-0.1).'
     >>> grounds({"dead_travel": 100.0}, {"dead_travel": 1.5, "network_sticky": 0.0}, True)[0].words
     'A stem with dead travel predicts PV better than every rival, by more than 100 nats (log odds +1.5).'
     """
@@ -49,14 +52,20 @@ def grounds(found: Found, shares: Mapping[str, float], sticks: bool) -> tuple[Gr
 
 
 def _parts(found: Found, share: float, sign: float) -> list[Ground]:
-    """That either part of the record says the same alone; nothing where they differ, or do not count."""
+    """Whether each end of the record says the same alone; nothing where the pattern does not count."""
     whole = found.get("network_sticky", 0.0)
     each = [share * found[name] / whole for name in ("network_first", "network_last") if whole and name in found]
-    if len(each) < 2 or sign * share < LEAST or any(sign * odds < LEAST for odds in each):
+    if len(each) < 2 or sign * share < LEAST:
         return []
     first, last = each
+    has = [sign * odds >= LEAST for odds in each]
+    if has[0] == has[1]:
+        words = f"The first and the last 80 % of the record have it {'too' if has[0] else 'less clearly'}"
+        return [Ground(f"{words} (log odds {first:+.1f} and {last:+.1f}).", "")]
+    one, other = ("first", "last") if has[0] else ("last", "first")
+    own, less = (first, last) if has[0] else (last, first)
     return [
-        Ground(f"The first and the last 80 % of the record have it too (log odds {first:+.1f} and {last:+.1f}).", "")
+        Ground(f"The {one} 80 % of the record has it too (log odds {own:+.1f}); the {other} has not ({less:+.1f}).", "")
     ]
 
 
