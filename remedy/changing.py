@@ -2,7 +2,8 @@
 
     valve, process      what it gains that this part alone differs from the loops of the other time (``together``), in
                         the mean of both ways round
-    stick at one time   or, if more, the lesser of its gain there and of what is against such a stick at the other time
+    stick at one time   what the loops of that time gain at the other one without their stick; where they lose by it,
+                        it sticks at both times
     controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i, read over the same rows, over its deviation
     noise, load         z^2 / 2,   the same of a spread; blocks of the record tell its deviation, and how long it lasts
     level               z^2 / 2,   the OP that it takes to hold PV, likewise; PV at another SP takes 1/K more
@@ -37,6 +38,7 @@ ENOUGH = {  # nats; a part pays ln(rows)/2 for its value, as tempered nats, and 
     "controller_gain": 6.0, "controller_integral_time": 6.0, "sensor_noise": 10.0, "sensor_drift": 10.0,
     "disturbance": 10.0, **dict.fromkeys(PARTS, 20.0),
 }  # fmt: skip
+GONE = 10.0  # nats of a stick at one time alone, of which no size is fitted
 ALIKE = 18.0  # nats by which a part may be behind the best one, to be named beside it
 BLOCKS = 12  # of the records of a time
 MISSED = 0.08  # of the way of the answer: 1 to 8 % were missed of loops whose load stood still
@@ -59,25 +61,31 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
     pv, op, notes = later.pv_unit or "PV", later.op_unit, []
     apart = earlier.sticks != later.sticks
     pairs = [Pair(earlier, later, back) for back in ((later.sticks,) if apart else (False, True))]
+    gone = pairs[0].gone() if apart else 0.0
+    both = apart and gone <= 0.0  # a stick that one fit alone sees, and that the loops of this fit see at both times
+    apart = apart and not both
     surer = {part: max(pairs, key=lambda pair: pair.gain(part)) for part in PARTS}
-    hidden = earlier.closed or later.closed  # what moves PV then may be another load as well as another process
+    # what moves PV where nothing else moves OP may be another load as well as another process
+    hidden = "" if both else earlier.closed or later.closed
     gains = {part: 0.0 if hidden else _both_ways(part, pairs, surer[part]) for part in PARTS}
     moved = {part: _moved(part, surer[part]) for part in PARTS}
     if hidden:
         notes.append(f"The process is not compared: {hidden}.")
     if apart:  # one that rests all along may be as likely as one that is gone
         moved["stiction"] = math.copysign(BEYOND, later.sticks - 0.5)
-        gains["stiction"] = max(pairs[0].gain("stiction"), _stick_at_one_time(earlier, later))
+        gains["stiction"] = gone
     best = max(gains, key=lambda part: gains[part])
-    best = "stiction" if apart and gains["stiction"] >= ENOUGH["stiction"] else best  # each fit says so by itself
+    best = "stiction" if apart and gone >= GONE else best  # each fit says so by itself
     likeliest = {part: surer[part].own[part] if part == best else surer[part].shared for part in PARTS}
     sizes = {part: _sizes(part, (earlier, later), one.loops) for part, one in likeliest.items()}
     if apart:
         sizes["stiction"] = [size_of(fit.each("S")) if fit.sticks else Size(0.0, 0.0, None) for fit in (earlier, later)]
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
     alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
+    enough = {part: GONE if apart and part == "stiction" else ENOUGH[part] for part in PARTS}
     found = [
-        _change(part, sizes[part], moved[part], gains[part], units[part], part == best, alike) for part in PARTS
+        _change(part, sizes[part], moved[part], gains[part], units[part], part == best, alike, enough[part])
+        for part in PARTS
     ]  # fmt: skip
     scans = [fit.days[0].dt for fit in (earlier, later)]
     even = abs(scans[1] - scans[0]) <= 0.02 * scans[0]
@@ -92,7 +100,7 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
         notes.append(f"{apart_by}, so that controller, noise and load are not compared.")
     may_be = [part for part in PARTS if gains[part] > max(gains[best] - ALIKE, 0.0) or (apart and part == "stiction")]
     likely = [(pair, pair.own[part]) for pair in pairs for part in may_be]
-    likely += [(pair, pair.shared) for pair in pairs if gains[best] < ENOUGH[best]]
+    likely += [(pair, pair.shared) for pair in pairs if gains[best] < enough[best]]
     if even:
         found += [_least(each) for each in zip(*(_of_left(*one, pv) for one in likely), strict=True)]
     found.append(_level_of((earlier, later)))
@@ -139,10 +147,12 @@ def _sizes(part: str, fits: Sequence[LoopFit], loops: Sequence[Loop]) -> list[Si
 
 def _change(
     effect: str, sizes: Sequence[Size], by: float, nats: float, unit: str, may: bool = True,
-    ambiguous_with: tuple[str, ...] = (),
+    ambiguous_with: tuple[str, ...] = (), enough: float = 0.0,
 ) -> Change:  # fmt: skip
-    """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named."""
-    nats, counts, enough = max(nats, 0.0), COUNTS[effect], ENOUGH[effect]
+    """A change ``by`` a logarithm or a share that gains so many nats; ``may``: whether it may be named; ``enough``
+    nats in place of those of ``ENOUGH``.
+    """
+    nats, counts, enough = max(nats, 0.0), COUNTS[effect], enough or ENOUGH[effect]
     sd = abs(by) / math.sqrt(2.0 * nats) if nats > 0.0 else math.inf  # as far as a normal value would gain it
     far = 0.5 * math.erfc((counts - abs(by)) / (math.sqrt(2.0) * max(sd, 1e-9))) if math.isfinite(sd) else 0.0
     probability = far / (1.0 + math.exp(min(enough - nats, 50.0)))
@@ -153,12 +163,6 @@ def _change(
     changed = may and nats >= enough and abs(by) > counts
     alike = ambiguous_with if changed else ()
     return Change(effect, sizes[0], sizes[1], ratio, nats, probability, changed, unit, alike)
-
-
-def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
-    """How surely one time has a stick that the other one has not [nats]."""
-    sticky, free = (earlier, later) if earlier.sticks else (later, earlier)
-    return min(sticky.gain, free.against(float(np.percentile(sticky.each("S"), 5.0))))
 
 
 def _both_ways(part: str, pairs: Sequence[Pair], surer: Pair) -> float:

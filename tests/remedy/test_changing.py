@@ -90,6 +90,15 @@ def test_a_population_about_a_wrong_middle_is_no_change(earlier):
     assert Pair(wrong, earlier).gain("stiction") < 10.0
 
 
+def test_a_stick_that_one_fit_alone_sees_is_there_at_both_times_if_its_loops_say_so(earlier):
+    # seed 50002: a stick that grew from nothing was named with 27 nats, and the log "without" gained 93 nats by it
+    unseen = replace(earlier, sticks=False, gain=0.0, excited=0.0)
+    for pair in (Pair(earlier, unseen), Pair(unseen, earlier, backwards=True)):
+        assert pair.gone() < -20.0
+    found = changes(earlier, unseen)
+    assert not found.gap and not any("not compared" in note for note in found.notes)
+
+
 def test_what_no_loop_tells_of_a_cycle_is_no_load():
     # seed 8503: 5 and 1 % of the answer to the stem were left where the load stood, and named as a load that fell
     t = np.arange(4000.0)
