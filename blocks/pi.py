@@ -163,8 +163,16 @@ def start_integral(params: Mapping[str, float], start_op: float | None, start_er
 
 
 def op_span(params: Mapping[str, float], spans: Mapping[str, tuple[float, float]] | None) -> dict[str, Any]:
-    """Return the spans of the ports: those given, and for OP the limits if they are finite."""
-    limits = (float(params["low"]), float(params["high"]))
+    """Return the spans of the ports: those given, and for OP the limits if they are finite.
+
+    Limits within 0 to 1, or 0 to 100, that leave at least half of it are limits of a share or of per cent.
+
+    >>> op_span({"low": 10.0, "high": 95.0}, None), op_span({"low": 4.0, "high": 20.0}, None)
+    ({'OP': (0.0, 100.0)}, {'OP': (4.0, 20.0)})
+    """
+    low, high = params["low"], params["high"]
+    full = next((end for end in (1.0, 100.0) if 0.0 <= low < high <= end and high - low >= 0.5 * end), None)
+    limits = (low, high) if full is None else (0.0, full)
     return ({"OP": limits} if all(map(math.isfinite, limits)) else {}) | dict(spans or {})
 
 

@@ -12,7 +12,7 @@ from stickslip.blocks.deadband import Deadband as Play
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter, not_below
-from stickslip.gap.insertion.inserted import Inserted, percent_in
+from stickslip.gap.insertion.inserted import Inserted, percent_of_stem
 
 
 class Deadband(Inserted):
@@ -36,7 +36,7 @@ class Deadband(Inserted):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the width in units of the stem."""
-        return {f"{self.block(place)}.width": values["width"] * percent_in(diagram, place)}
+        return {f"{self.block(place)}.width": values["width"] * percent_of_stem(diagram, place)}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
         """Return what is wrong with the values."""

@@ -1,9 +1,13 @@
-"""Span error: the sensor shows ``factor`` times what there is."""
+"""Span error: the sensor shows ``factor`` times what there is, about the low end of its range where it states one.
 
+shown = low + factor (x - low)
+"""
+
+import math
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.arithmetic import Sum
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
@@ -17,7 +21,7 @@ class SensorSpan(Inserted):
     >>> from stickslip.blocks import Sensor
     >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
-    >>> SensorSpan().insert(sensor, "sensor", factor=1.1)["sensor:sensor_span"].params["factor"]
+    >>> SensorSpan().insert(sensor, "sensor", factor=1.1)["sensor:sensor_span"].params["w_in"]
     1.1
     """
 
@@ -27,12 +31,14 @@ class SensorSpan(Inserted):
     where = "before"
 
     def made(self, diagram: Diagram, place: str) -> Block:
-        """Return the gain."""
-        return Gain("out", "in", 1.0, name=self.block(place))
+        """Return the factor, and what keeps the low end."""
+        return Sum("out", {"in": 1.0}, name=self.block(place))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the gain."""
-        return {f"{self.block(place)}.factor": values["factor"]}
+        """Return the factor and the offset that keeps the low end."""
+        low = diagram[place].params.get("low", 0.0)
+        own, factor = self.block(place), values["factor"]
+        return {f"{own}.w_in": factor, f"{own}.offset": (1.0 - factor) * (low if math.isfinite(low) else 0.0)}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
         """Return what is wrong with the values."""

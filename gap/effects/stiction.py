@@ -20,7 +20,7 @@ from stickslip.blocks.resting_stem import RestingStem
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import Parameter, not_below
-from stickslip.gap.insertion.inserted import Inserted, percent_in
+from stickslip.gap.insertion.inserted import Inserted, percent_of_stem
 
 
 class Stiction(Inserted):
@@ -45,7 +45,7 @@ class Stiction(Inserted):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return S and J in units of the stem."""
-        percent = percent_in(diagram, place)
+        percent = percent_of_stem(diagram, place)
         return {f"{self.block(place)}.{key}": values[key] * percent for key in ("S", "J")}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
@@ -87,7 +87,7 @@ class SampledStiction(Stiction):
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the friction bands in units of the stem."""
-        half = 0.5 * percent_in(diagram, place)
+        half = 0.5 * percent_of_stem(diagram, place)
         S, J = values["S"], values["J"]
         bands = {"f_s": half * (S + J), "f_d": half * np.maximum(S - J, 0.0)}
         return {f"{self.block(place)}.{key}": value for key, value in bands.items()}

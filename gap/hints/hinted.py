@@ -42,9 +42,7 @@ def hints(diagram: Diagram, log: Log) -> tuple[str, ...]:
     if beyond <= 0.0 or now[0] - loss < CLEAR or now[1] - size < EXPLAINED * beyond:
         return ()
     part = 100.0 * min((now[1] - size) / beyond, 1.0)
-    return (
-        f"It looks as if {best.words}. That alone would explain {part:.0f} % of the gap. Put it right and ask again.",
-    )
+    return (f"Check whether {best.words}. That alone would explain {part:.0f} % of the gap.",)
 
 
 def _moving(diagram: Diagram, log: Log) -> Sequence[str]:

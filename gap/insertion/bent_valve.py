@@ -3,6 +3,7 @@
 A stem sticks, lags and stops as it is wanted, so what it does comes before the law from stem to flow.  A gain and a
 leak are of the flow, and come behind.  Where a valve gives its stem, or what is in proportion to it, both are the same.
 Half of a split range stands at its stop where the other half moves: what it gives is its stem.
+A block that has a lag and a law is asked at rest: its stem comes before both, so that it sticks by shares of OP.
 """
 
 from functools import lru_cache
@@ -11,14 +12,14 @@ import numpy as np
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.insertion.scales import ends
+from stickslip.gap.insertion.scales import at_rest, ends
 
 POINTS = 5  # at which what a valve gives is held against a straight line
 STRAIGHT = 1e-3  # of its range, that it may be off
 
 
 def gives_flow(diagram: Diagram, place: str) -> bool:
-    """Return whether a valve without memory bends what enters it, and stands nowhere.
+    """Return whether a valve without memory bends what enters it, at rest, and stands nowhere.
 
     >>> from stickslip.blocks import Equations, IdealValve
     >>> from stickslip.diagram import wire
@@ -30,7 +31,7 @@ def gives_flow(diagram: Diagram, place: str) -> bool:
     """
     block = diagram[place]
     plain = block.role is Role.VALVE and len(block.input_labels) == len(block.output_labels) == 1
-    if not plain or block.state_names or block.memory_names or block.sampled:
+    if not plain or block.memory_names or block.sampled or block.kernels.n_events:
         return False
     low, high = ends(diagram, str(block.input_labels[0])) or (0.0, 1.0)
     return _bends(block, low, high)
@@ -40,12 +41,16 @@ def gives_flow(diagram: Diagram, place: str) -> bool:
 def _bends(block: Block, low: float, high: float) -> bool:
     at = np.linspace(low, high, POINTS)
     try:
-        values = np.array([float(block.output(0.0, [], [u])[0]) for u in at.tolist()])
+        values = np.array([at_rest(block, u) if block.state_names else _given(block, u) for u in at.tolist()])
     except (ArithmeticError, ValueError):  # a user's law need not hold at the ends of a span
         return False
     line = values[0] + (values[-1] - values[0]) * (at - low) / (high - low)
     moves = bool(np.all(np.diff(values) > 0.0) or np.all(np.diff(values) < 0.0))
     return moves and bool(np.max(np.abs(values - line)) > STRAIGHT * float(np.ptp(values)))
+
+
+def _given(block: Block, u: float) -> float:
+    return float(block.output(0.0, [], [u])[0])
 
 
 def with_stem(diagram: Diagram, place: str, stem: Block, inputs: tuple[str, ...] = ()) -> Diagram:

@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.insertion.bent_valve import gives_flow, with_stem
+from stickslip.gap.insertion.bent_valve import stem_signal, with_stem
 from stickslip.gap.insertion.effect import Effect, known_first
 from stickslip.gap.insertion.paths import given, measured, users
 from stickslip.gap.insertion.scales import ends, span
@@ -71,10 +71,13 @@ def percent_in(diagram: Diagram, place: str) -> float:
 
 def percent_of_stem(diagram: Diagram, place: str) -> float:
     """Return one percent of the travel of a valve's stem [unit of what it gives, or of OP where that is a flow]."""
-    return percent_in(diagram, place) if gives_flow(diagram, place) else percent_out(diagram, place)
+    return _percent(diagram, place, stem_signal(diagram, place))
 
 
 def percent_out(diagram: Diagram, place: str) -> float:
     """Return one percent of what a valve gives, its travel: of its span, or of OP's if it states none [its unit]."""
-    stem = given(diagram, place)
-    return span(diagram, stem) / 100.0 if ends(diagram, stem) else percent_in(diagram, place)
+    return _percent(diagram, place, given(diagram, place))
+
+
+def _percent(diagram: Diagram, place: str, signal: str) -> float:
+    return span(diagram, signal) / 100.0 if ends(diagram, signal) else percent_in(diagram, place)

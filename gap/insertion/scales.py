@@ -70,7 +70,7 @@ def ends(diagram: Diagram, signal: str) -> tuple[float, float] | None:
         passed.append(driver)
         signal = str(driver.input_labels[0])
     for block in reversed(passed):
-        images = [_at_rest(block, end) for end in found]
+        images = [at_rest(block, end) for end in found]
         if not all(map(math.isfinite, images)) or images[0] == images[1]:
             return None
         found = min(images), max(images)
@@ -96,7 +96,7 @@ def _passes(block: Block) -> bool:
 
 
 @lru_cache(maxsize=256)
-def _at_rest(block: Block, value: float) -> float:
+def at_rest(block: Block, value: float) -> float:
     """Return what a block gives at rest if a value enters it, NaN if it does not come to rest."""
     from stickslip.diagram.linear import NoOperatingPoint, operating_point
 

@@ -115,7 +115,7 @@ def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
     if not enough(fit, best, alone.alone, alone.null):
         return None
     fits = (fit, *alone.fits)
-    return replace(alone, fits=fits, best=best, named=not_told_apart(fits))
+    return replace(alone, fits=fits, best=best, named=not_told_apart(fits, alone.null))
 
 
 def _pair(alone: Outcome, both: Outcome) -> Outcome:

@@ -16,7 +16,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.judge import enough, gained_by_chance, judged
 from stickslip.gap.likelihood.left import GAINED, allowed
 from stickslip.gap.likelihood.logged_stem import LoggedStem
-from stickslip.gap.likelihood.nesting import nested, one_of_nested
+from stickslip.gap.likelihood.nesting import RELEVANT, nested, one_of_nested
 from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.rivals import beside_random, likelier
@@ -115,7 +115,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     share = moved(mine, fits[0].best.values, seed) if good or not alone.unusual else 1.0
     if share < least(frame):
         return Outcome(null, alone, fits, None, False, (), share, looked=found)
-    return Outcome(null, alone, fits, best, gap, not_told_apart(fits) if good else (), rival=rival)
+    return Outcome(null, alone, fits, best, gap, not_told_apart(fits, null) if good else (), rival=rival)
 
 
 def _taken(null: Fit) -> float:
@@ -151,8 +151,12 @@ def _looked_at(
     return by_score(null, legal(null, catalogue), progress)
 
 
-def not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:
-    """Return the first fit, and those that the record does not tell from it, the likeliest first."""
+def not_told_apart(fits: Sequence[Fit], null: Fit) -> Sequence[Fit]:
+    """Return the first fit, and those that the record does not tell from it, the likeliest first.
+
+    A jump of a stem that explains hardly anything of the gap beyond a play is not told from none.
+    """
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
-    near = [fit for fit in fits if price(fit) <= price(fits[0]) + STEM_TIE and nested(fit, fits[0]) and fit not in same]
+    hardly = max(STEM_TIE, RELEVANT * (null.nll - fits[0].nll))
+    near = [fit for fit in fits if price(fit) <= price(fits[0]) + hardly and nested(fit, fits[0]) and fit not in same]
     return [*same, *near]

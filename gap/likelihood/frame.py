@@ -24,7 +24,6 @@ DRAWS = 20  # of a noise from row to row, at most
 FAST = 2.0  # stops in the correlation time of a load that changes between two rows
 SAME = 1e-6  # of an interval: stops nearer to each other are one
 SAME_STEP = 0.01  # share by which the step that a sensor states may differ from that of the log
-BELOW_NOISE = 0.5  # of the noise that a sensor states: so small a step is nothing beside it
 SEEN_FINER = 1e-3  # of a step that the controller has seen: so well it is known then
 BUDGET = 2_000_000_000  # steps of the engine
 FINEST = 1e-5  # of a signal's spread: what a signal that is not rounded is known to, and a run computes it to
@@ -92,18 +91,16 @@ class Frame(Held):
         """Variance of the log's rounding of each value, (rows, signals).
 
         Where the model's sensor gives multiples of that step, the log has what the controller saw, as it was.  A step
-        near its noise stays rounding, for the runs that predict it round as well.
+        that its noise does not make noise stays rounding, for the runs that predict it round as well.
         """
-        found = []
+        found, smooth = [], {one.block for one in self.noise if one.rounding > 0.0}
         for j, s in enumerate(self.signals):
             known = self.Y[:, j][np.isfinite(self.Y[:, j])]
             computed = self.record.computed.get(s, 0.0)
             digits = Digits(computed) if computed else Digits.of(known)
-            sensor = self.model.blocks[self.model.driven[s][0]].params
-            stated = sensor.get("step", 0.0)
-            if 0.0 < stated < BELOW_NOISE * sensor.get("sd", 0.0) and math.isclose(
-                digits.step, stated, rel_tol=SAME_STEP
-            ):
+            sensor = self.model.blocks[self.model.driven[s][0]]
+            stated = sensor.params.get("step", 0.0)
+            if sensor.name in smooth and math.isclose(digits.step, stated, rel_tol=SAME_STEP):
                 digits = Digits(SEEN_FINER * stated)
             found.append(np.maximum(digits.steps(self.Y[:, j]) ** 2 / 12.0, self.computed[j]))
         return np.stack(found, axis=1)
@@ -203,7 +200,7 @@ class Frame(Held):
     @cached_property
     def scans(self) -> Scans | None:
         """The scans of the record, where an exact filter may follow it from one to the next."""
-        return None if self.doubts else scans_of(self.quiet, self.record)
+        return None if self.doubts else scans_of(self.smooth, self.record)
 
     @cached_property
     def doubted(self) -> dict[str, tuple[Values, Values]]:

@@ -200,6 +200,7 @@ class Hypothesis(Statement):
             sd = settings.get(f"{one.block}.sd", one.sd)
             T = settings.get(f"{one.block}.correlation_time", one.correlation_time)
             phi[:, j] = np.exp(-gap / T) if T > 0.0 else np.where(f.drawn(one), 0.0, 1.0)
+            sd = math.hypot(sd, one.rounding)
             drawn[:, j] = sd * np.sqrt(np.maximum(1.0 - phi[:, j] ** 2, 0.0))
             drawn[0, j] = sd
         return phi, drawn

@@ -58,7 +58,7 @@ def judged(
     """
     if isinstance(fit.hypothesis.frame, Replays):
         return judged_by_loss(fit, null, seed)
-    away = [(f"a trace of {c.hypothesis}", c.direction) for c in others if c.direction is not None]
+    away = [(f"what {c.hypothesis} would change", c.direction) for c in others if c.direction is not None]
     directions = [*_apart(fit, away), *constancy(fit)]
     one = fit.hypothesis
     mine = _left(fit, one) if one.hides else None  # as few stems as the runs have

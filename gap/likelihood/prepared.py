@@ -21,7 +21,7 @@ from stickslip.engine.snapshot import Snapshot
 from stickslip.engine.table import Component
 from stickslip.gap.insertion.scales import time_scale
 from stickslip.gap.likelihood.late import Late, LateByASignal
-from stickslip.gap.records.model import Nuisance, nuisances, silenced, smooth_memories
+from stickslip.gap.records.model import Nuisance, nuisances, smooth_memories, smoothed
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
 
@@ -100,7 +100,7 @@ def prepared(
     ``scan`` [s] of its controllers; ``longest`` block.parameter -> the largest that a dead time [s] may become;
     ``doubted`` inputs that are not exactly as they are logged.
     """
-    quiet = silenced(model)
+    quiet = smoothed(model)
     noise: list[tuple[Nuisance, str]] = []
     drawing = [(one, str(model[one.block].output_labels[0])) for one in nuisances(model)]
     for one, signal in (*drawing, *((Nuisance(s, 0.0, 0.0), s) for s in doubted)):

@@ -1,5 +1,6 @@
 """What a hypothesis states, an effect at a place or none: a diagram, its parameters, and its exact filter if any."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +13,7 @@ from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.insertion.scales import ends
 from stickslip.gap.likelihood.frame import Frame
-from stickslip.gap.records.model import nuisances, silenced
+from stickslip.gap.records.model import nuisances, silenced, smoothed
 from stickslip.logs.arrays import Values
 
 BEYOND = 0.1  # of its range, by which a signal may go further between two rows
@@ -139,13 +140,13 @@ class Statement:
         if f.scans is None or (self.effect is not None and (self.effect.of_log or self.hides)):
             return None
         changed = self.changed
-        return Exact(silenced(changed), nuisances(changed), f.signals, f.record, f.scans, f.unsure)
+        return Exact(smoothed(changed), nuisances(changed), f.signals, f.record, f.scans, f.unsure)
 
     @cached_property
     def bare(self) -> Exact | None:
         """The Kalman filter of the model without the effect, None where rows are not in step with its scans."""
         f = self.frame
-        return None if f.scans is None else Exact(f.quiet, f.noise, f.signals, f.record, f.scans, f.unsure)
+        return None if f.scans is None else Exact(f.smooth, f.noise, f.signals, f.record, f.scans, f.unsure)
 
     @cached_property
     def cheap(self) -> bool:
@@ -172,7 +173,7 @@ class Statement:
         params = {k: v for k, v in settings.items() if k not in self.drawing and k.rpartition(".")[0] in there}
         sizes = {
             one.block: (
-                settings.get(f"{one.block}.sd", one.sd),
+                math.hypot(settings.get(f"{one.block}.sd", one.sd), one.rounding),
                 settings.get(f"{one.block}.correlation_time", one.correlation_time),
             )
             for one in exact.noise

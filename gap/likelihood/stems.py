@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.gap.effects.stiction import RestingStiction, SampledStiction, Stiction
 from stickslip.gap.fits.coordinates import width
 from stickslip.gap.insertion.effect import Effect
-from stickslip.gap.insertion.inserted import percent_in
+from stickslip.gap.insertion.scales import span
 from stickslip.gap.likelihood.few_stems import FewStems, known_stem, on_path
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
@@ -219,9 +219,12 @@ def _range(one: Hypothesis) -> tuple[float, float]:
     valve = f.model[one.place]
     ops = [s for s in f.ops if s in map(str, valve.input_labels)] or list(f.ops)
     travel = max(
-        (float(np.ptp(f.Y[np.isfinite(f.Y[:, k]), k])) for s in ops for k in [f.signals.index(s)]), default=0.0
-    )
-    travel /= percent_in(f.model, one.place)
+        (
+            100.0 * float(np.ptp(f.Y[np.isfinite(f.Y[:, k]), k])) / span(f.model, s)
+            for s in ops for k in [f.signals.index(s)]
+        ),
+        default=0.0,
+    )  # fmt: skip
     if travel <= 0.0:
         return low, high
     return max(low, SMALLEST * travel), max(min(high, LARGEST * travel), 2.0 * low)

@@ -160,7 +160,7 @@ def _unknown(o: Outcome) -> GapReport:
     best = o.fits[0] if o.fits else None
     place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
-    if best is not None and o.best is not None:
+    if best is not None and o.best is not None and best.nll < o.null.nll:
         words.append(
             f"Nearest is {best.hypothesis}, with which the log is {o.null.nll - best.nll:,.0f} "
             f"nats likelier, but it leaves {deviations(o.best.size)} in: {o.best.name}."

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.answers.report import Size
 from stickslip.gap.insertion.effect import Effect, Parameter
-from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, stated, stated_about
+from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced, smoothed, stated, stated_about
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
 from stickslip.logs.normal import Z90
@@ -80,6 +80,11 @@ class Given:
     def quiet(self) -> Diagram:
         """The model without random numbers."""
         return silenced(self.model)
+
+    @cached_property
+    def smooth(self) -> Diagram:
+        """The model as a filter follows it."""
+        return smoothed(self.model)
 
     @cached_property
     def noise(self) -> tuple[Nuisance, ...]:
@@ -154,6 +159,11 @@ class Held:
     def quiet(self) -> Diagram:
         """The model without random numbers."""
         return self.given.quiet
+
+    @property
+    def smooth(self) -> Diagram:
+        """The model as a filter follows it."""
+        return self.given.smooth
 
     @property
     def noise(self) -> tuple[Nuisance, ...]:
