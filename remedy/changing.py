@@ -2,8 +2,9 @@
 
     valve, process      what it gains that this part alone differs from the loops of the other time (``together``), in
                         the mean of both ways round
-    stick at one time   what the loops of that time gain at the other one without their stick; where they lose by it,
-                        it sticks at both times
+    stick at one time   what the loops of that time gain at the other one without their stick, or if more, the lesser of
+                        its gain there and of what is against it at the other time; where they lose by it, it sticks at
+                        both times
     controller          z^2 / 2,   z = ln(later / earlier) of K_p or T_i, read over the same rows, over its deviation
     noise, load         z^2 / 2,   the same of a spread; blocks of the record tell its deviation, and how long it lasts
     level               z^2 / 2,   the OP that it takes to hold PV, likewise; PV at another SP takes 1/K more
@@ -73,16 +74,16 @@ def changes(earlier: LoopFit, later: LoopFit) -> Changes:
         notes.append(f"The process is not compared: {hidden}.")
     if apart:  # one that rests all along may be as likely as one that is gone
         moved["stiction"] = math.copysign(BEYOND, later.sticks - 0.5)
-        gains["stiction"] = gone
+        gains["stiction"] = max(gone, _stick_at_one_time(earlier, later))
+    enough = dict(ENOUGH, **{"stiction": GONE} if gone >= GONE else {})
     best = max(gains, key=lambda part: gains[part])
-    best = "stiction" if apart and gone >= GONE else best  # each fit says so by itself
+    best = "stiction" if apart and gains["stiction"] >= enough["stiction"] else best  # each fit says so by itself
     likeliest = {part: surer[part].own[part] if part == best else surer[part].shared for part in PARTS}
     sizes = {part: _sizes(part, (earlier, later), one.loops) for part, one in likeliest.items()}
     if apart:
         sizes["stiction"] = [size_of(fit.each("S")) if fit.sticks else Size(0.0, 0.0, None) for fit in (earlier, later)]
     units = {"stiction": op, "process_gain": f"{pv} per {op}", "process_time_constant": "s", "dead_time": "s"}
     alike = tuple(part for part in PARTS if part != best and gains[part] > gains[best] - ALIKE)
-    enough = {part: GONE if apart and part == "stiction" else ENOUGH[part] for part in PARTS}
     found = [
         _change(part, sizes[part], moved[part], gains[part], units[part], part == best, alike, enough[part])
         for part in PARTS
@@ -163,6 +164,12 @@ def _change(
     changed = may and nats >= enough and abs(by) > counts
     alike = ambiguous_with if changed else ()
     return Change(effect, sizes[0], sizes[1], ratio, nats, probability, changed, unit, alike)
+
+
+def _stick_at_one_time(earlier: LoopFit, later: LoopFit) -> float:
+    """How surely one time has a stick that the other one has not, by each time's own fit [nats]."""
+    sticky, free = (earlier, later) if earlier.sticks else (later, earlier)
+    return min(sticky.gain, free.against(float(np.percentile(sticky.each("S"), 5.0))))
 
 
 def _both_ways(part: str, pairs: Sequence[Pair], surer: Pair) -> float:

@@ -81,6 +81,17 @@ class LoopFit(Shown):
         """A value of each loop, (loops,)."""
         return np.array([float(getattr(one, key)) for one in self.loops])
 
+    def against(self, S: float) -> float:
+        """By how many nats every dead travel from S [unit of OP] on is less likely than none.
+
+        0 where a straight line does not tell PV best.  The largest that is weighed is about OP's own travel, and stands
+        for all that are larger: such a stem rests.
+        """
+        if self.evidence is None or self.evidence.bent > 0.0 or self.evidence.coarse:
+            return 0.0
+        sizes = self.evidence.sizes
+        return max(-float(self.evidence.curve[sizes >= min(S, float(sizes[-1]))].max()), 0.0)
+
     @property
     def verdict(self) -> Word:
         """What the record says of the valve: a loop that does as well without stick does not clear it yet."""
