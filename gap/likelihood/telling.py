@@ -30,6 +30,7 @@ from stickslip.gap.telling.structure import by_wiring
 
 LISTED = 12  # explanations in the ranking
 MOST_SAID = 1000  # standard deviations
+SEVERAL = 0.99  # of the interval between two rows: scans that follow sooner are more than one a row
 LEAST_DOUBT = 0.1  # of the limit: what leaves less than runs leave on average is not certain either
 
 
@@ -156,7 +157,8 @@ def _unknown(o: Outcome) -> GapReport:
     elsewhere = o.stem is not None and not o.stem.follows
     f = o.null.hypothesis.frame
     changing = f.changing if isinstance(f, Replays) else None
-    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(f, o.null.best.judged, changing)
+    several = 0.0 < f.scanned < SEVERAL * f.record.log.dt
+    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(f, o.null.best.judged, changing, several)
     best = o.fits[0] if o.fits else None
     place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]

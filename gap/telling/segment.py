@@ -11,18 +11,21 @@ NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
-def abnormal_segment(held: Held, judged: NDArray[np.float64], changing: Sequence[str] | None = None) -> tuple[str, ...]:
+def abnormal_segment(
+    held: Held, judged: NDArray[np.float64], changing: Sequence[str] | None = None, several: bool = False
+) -> tuple[str, ...]:
     """Return the blocks between logged signals where the gap lies, those at which an effect can be.
 
     The innovations of a measurement, (rows, signals), are wrong only if what drives it is; those of the controller's
     output, given the measurement, only if the controller is, or the measurement is not what it has seen.  ``changing``
-    signals feel how others have moved since the last row, by default outputs of controllers.
+    signals feel how others have moved since the last row, by default outputs of controllers; where ``several`` scans
+    lie between two rows, what is not logged of a measurement shows in these outputs.
     """
-    excess = np.nanmean(judged**2, axis=0) - 1.0
+    excess = np.abs(np.nanmean(judged**2, axis=0) - 1.0)
     acting = np.array([s in (held.ops if changing is None else changing) for s in held.signals])
     k = int(np.argmax(excess))
     least = max(3.0 * excess[~acting].max(), ABNORMAL) if not acting.all() else 0.0
-    if changing is not None:  # the level of a measurement is wrong only if what drives it is
+    if changing is not None or several:  # the level of a measurement is wrong only if what drives it is
         least = np.inf if not acting.all() and excess[~acting].max() > ABNORMAL else 0.0
     if acting.any() and excess[acting].max() < least:
         k = int(np.flatnonzero(~acting)[np.argmax(excess[~acting])])

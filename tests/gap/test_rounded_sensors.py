@@ -10,6 +10,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.likelihood.stems import _range
 from stickslip.gap.records.model import nuisances, smoothed
+from stickslip.gap.telling.segment import abnormal_segment
 from stickslip.logs import Log
 
 SD, STEP, SCAN = 0.05, 0.1, 4.0  # of the sensor, and of the controller [s]
@@ -110,3 +111,12 @@ def test_a_wrong_span_keeps_the_low_end_of_the_range(low, offset):
     sensor = wire([SampledSensor(1.0, low=low, high=180.0, inputs="y", outputs="PV")], inputs=["y"])
     made = effect("sensor_span").insert(sensor, "sensor", factor=1.06)["sensor:sensor_span"].params
     assert (made["w_in"], made["offset"]) == pytest.approx((1.06, offset))  # analytic
+
+
+def test_an_output_is_wrong_by_itself_only_beside_measurements_that_are_right():
+    frame = held_against(model(), every_second_scan(400))
+    left = np.array([1.0, -1.0] * 200)[:, None] * np.sqrt([2.0, 8.0])  # mean squares of PV and OP
+    assert abnormal_segment(frame, left) == ("controller",)
+    assert "process" in abnormal_segment(frame, left, several=True)  # OP answers to a scan of PV that no row has
+    too_small = left * np.sqrt([0.35, 0.13])  # 0.7 and 1.04: noise that was fitted too large
+    assert "process" in abnormal_segment(frame, too_small)
