@@ -79,8 +79,24 @@ def diagnose(
         stem, frame = None, replays_of(opened, record, seed)
     sureness = kept_calibration(opened, record).sureness
     found = told(outcome(frame, catalogue, seed, progress, stem), limits, seed, sureness)
-    unknown = any(cause.effect == UNKNOWN for cause in found.causes)
-    return replace(found, hints=hints(opened, record.log)) if unknown else found
+    if all(cause.effect != UNKNOWN for cause in found.causes):
+        return found
+    return replace(found, hints=hints(opened, record.log), notes=(*found.notes, *without_place(opened, catalogue)))
+
+
+def without_place(model: Diagram, catalogue: Sequence[Effect]) -> list[str]:
+    """Return in a sentence which effects were not tried, though the model has blocks of their role; none for none.
+
+    >>> from stickslip.blocks import Equations
+    >>> from stickslip.diagram import wire
+    >>> from stickslip.gap.effects import effect
+    >>> tank = Equations("tank", der=lambda h, q, area=2.0: (q - h) / area, states={"h": 0.0}, inputs=["q"])
+    >>> without_place(wire([tank], inputs=["q"]), [effect("process_gain"), effect("process_time_constant")])
+    ['Not tried, since no block has what they change: process_time_constant.']
+    """
+    roles = {block.role for block in model.blocks}
+    names = [one.name for one in catalogue if one.role in roles and not one.places(model)]
+    return [f"Not tried, since no block has what they change: {', '.join(names)}."] * bool(names)
 
 
 def held_against(diagram: Diagram, log: Log, seed: int = 0) -> Frame:

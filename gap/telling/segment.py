@@ -8,6 +8,9 @@ from stickslip.blocks.role import Role
 from stickslip.gap.records.given import Held
 
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
+# times the largest excess of a measurement, from which on that of an output is the controller's: a scan that no row has
+# shows in the output alone
+ONE_SCAN, SEVERAL_SCANS = 3.0, 6.0
 ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
@@ -24,8 +27,9 @@ def abnormal_segment(
     excess = np.abs(np.nanmean(judged**2, axis=0) - 1.0)
     acting = np.array([s in (held.ops if changing is None else changing) for s in held.signals])
     k = int(np.argmax(excess))
-    least = max(3.0 * excess[~acting].max(), ABNORMAL) if not acting.all() else 0.0
-    if changing is not None or several:  # the level of a measurement is wrong only if what drives it is
+    times = SEVERAL_SCANS if several else ONE_SCAN
+    least = max(times * excess[~acting].max(), ABNORMAL) if not acting.all() else 0.0
+    if changing is not None:  # the level of a measurement is wrong only if what drives it is
         least = np.inf if not acting.all() and excess[~acting].max() > ABNORMAL else 0.0
     if acting.any() and excess[acting].max() < least:
         k = int(np.flatnonzero(~acting)[np.argmax(excess[~acting])])

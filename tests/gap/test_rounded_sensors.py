@@ -115,8 +115,9 @@ def test_a_wrong_span_keeps_the_low_end_of_the_range(low, offset):
 
 def test_an_output_is_wrong_by_itself_only_beside_measurements_that_are_right():
     frame = held_against(model(), every_second_scan(400))
-    left = np.array([1.0, -1.0] * 200)[:, None] * np.sqrt([2.0, 8.0])  # mean squares of PV and OP
+    left = np.array([1.0, -1.0] * 200)[:, None] * np.sqrt([2.0, 6.0])  # mean squares of PV and OP
     assert abnormal_segment(frame, left) == ("controller",)
     assert "process" in abnormal_segment(frame, left, several=True)  # OP answers to a scan of PV that no row has
-    too_small = left * np.sqrt([0.35, 0.13])  # 0.7 and 1.04: noise that was fitted too large
+    assert abnormal_segment(frame, left * np.sqrt([0.55, 1.0]), several=True) == ("controller",)
+    too_small = left * np.sqrt([0.35, 0.1735])  # 0.7 and 1.04: noise that was fitted too large
     assert "process" in abnormal_segment(frame, too_small)
