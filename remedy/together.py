@@ -94,13 +94,13 @@ class Pair:
 
         No size is fitted: it is the mean of likelihoods over the population, each with load and noise of its own.
         """
-        costs = []
-        for free in (False, True):
-            for loop in (replace(one, S=0.0, J=0.0) if free else one for one in self._known.loops):
-                found = beside(self._other.days, loop, self._other.without.noises)
-                costs.append(beside(self._other.days, loop, found.noises).nll)
-        half = len(costs) // 2
-        return _of_mean(costs[:half]) - _of_mean(costs[half:])
+
+        def nll(loop: Loop) -> float:
+            found = beside(self._other.days, loop, self._other.without.noises)
+            return beside(self._other.days, loop, found.noises).nll
+
+        sticky = self._known.loops
+        return _of_mean([nll(one) for one in sticky]) - _of_mean([nll(replace(one, S=0.0, J=0.0)) for one in sticky])
 
     def lefts(self, one: Together) -> tuple[list[list[Floats]], list[list[Floats]]]:
         """What the loops leave of PV in each record of each time, and the answers to the stem beside it.

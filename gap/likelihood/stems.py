@@ -38,7 +38,6 @@ LARGE = (0.3, 0.55, 0.8)  # of any S, likewise
 ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
 SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
-AT_ONCE = 8  # times in a scan at which a stem behind a lag may stick anew
 STARTS, APART = 4, 0.09  # places from which sizes are searched, and by how much their J/S differ at least
 OFTEN = 6  # times that sizes are changed by such a share, where each costs little
 STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
@@ -116,25 +115,11 @@ def _looked_at(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
     pairs = _pairs(one) if len(one.own) > 1 and one.cheap else []
     first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
-    laws = (one, *(_anew(one) if without is not None else ()))
-    asked = [(bank, size, law) for bank in banks for law in laws for size in first]
-    in_threads(lambda trial: trial[0].tried(trial[1], trial[2]), asked)
+    in_threads(lambda trial: trial[0].tried(trial[1]), [(bank, size) for bank in banks for size in first])
     return [
         bank for bank, at_rest in zip(banks, still, strict=True)
         if bank.trials and (at_rest is None or bank.least < at_rest.nll - SHOWS)
     ]  # fmt: skip
-
-
-def _anew(one: Hypothesis) -> list[Hypothesis]:
-    """Return the law of a stem that sticks anew after each slip, where a lag before it moves what it is sent.
-
-    Between the scans of a controller nothing stands still there, and such a stem moves in steps of its jump.
-    """
-    f = one.frame
-    signal = str(f.model[one.place].input_labels[0])
-    before = f.model.blocks[f.model.driven[signal][0]] if signal in f.model.driven else None
-    lags = before is not None and bool(before.state_names) and not before.sampled
-    return [replace(one, effect=SampledStiction(f.scanned / AT_ONCE))] if lags and f.scanned else []
 
 
 def _bands(one: Hypothesis) -> list[dict[str, float]]:
