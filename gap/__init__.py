@@ -9,10 +9,10 @@ The rooms, each of which uses those before it only; ``stickslip.gap.diagnosis`` 
 
 answers        what a diagnosis answers with             effects       the catalogue: one file an effect
 records        what a model and a log bring              insertion     how an effect gets into a diagram
-floors         what replays of a record without a gap leave
+null_model     what replays of a record without a gap leave
 linearised     residuals of diagrams too large to replay between rows
 fits           coordinates of sizes; plans, scans and digits that a log shows by itself
-telling        words, causes, places, pictures
+reporting      words, causes, places, pictures
 exact          the Kalman filter of loops that are linear between scans
 likelihood     how likely a record is, by a filter or by replays; the one search, test and report of all
 hints          which mistake of the model or the log would explain what no effect does
@@ -25,8 +25,8 @@ from stickslip.gap.calibrating.calibration import Calibration
 from stickslip.gap.diagnosis import diagnose
 from stickslip.gap.insertion.effect import Effect, EffectError, Parameter
 from stickslip.gap.records.record import GapError
-from stickslip.gap.telling.latent import LatentInput, latent_input
-from stickslip.gap.telling.replayed import Replayed, replayed
+from stickslip.gap.reporting.latent import LatentInput, latent_input
+from stickslip.gap.reporting.replayed import Replayed, replayed
 
 __all__ = [
     "Calibration", "Effect", "EffectError", "GapError", "GapReport", "LatentInput", "Parameter", "Replayed",

@@ -24,7 +24,7 @@ from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.framing import frame_of
 from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.likelihood.replay import replays_of
-from stickslip.gap.likelihood.telling import told
+from stickslip.gap.likelihood.reports import report_for
 from stickslip.gap.records.model import read
 from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
@@ -77,8 +77,8 @@ def diagnose(
     frame = frame_of(opened, stem.without(record) if stem else record)
     if frame is None:
         stem, frame = None, replays_of(opened, record, seed)
-    sureness = kept_calibration(opened, record).sureness
-    found = told(outcome(frame, catalogue, seed, progress, stem), limits, seed, sureness)
+    hit_rates = kept_calibration(opened, record).hit_rates
+    found = report_for(outcome(frame, catalogue, seed, progress, stem), limits, seed, hit_rates)
     if all(cause.effect != UNKNOWN for cause in found.causes):
         return found
     return replace(found, hints=hints(opened, record.log), notes=(*found.notes, *without_place(opened, catalogue)))

@@ -71,15 +71,15 @@ def row(effect: Effect) -> str:
     """
     module = type(effect).__module__
     said = " ".join((inspect.getdoc(sys.modules[module]) or "").split("\n\n")[0].split())
-    numbers = ", ".join(map(_told, effect.parameters))
+    numbers = ", ".join(map(_in_words, effect.parameters))
     file = f"../{module.removeprefix('stickslip.').replace('.', '/')}.py"
     return f"| [{effect.name}]({file}) | {effect.role} | {numbers} | {said.rstrip('.').replace('``', '')} |"
 
 
-def _told(parameter: Parameter) -> str:
+def _in_words(parameter: Parameter) -> str:
     neutral = "the model's" if math.isnan(parameter.neutral) else f"{parameter.neutral:g}"
-    told = f"{parameter.name} ({parameter.unit}; {neutral})"
-    return f"[{told}]" if parameter.nuisance else told
+    words = f"{parameter.name} ({parameter.unit}; {neutral})"
+    return f"[{words}]" if parameter.nuisance else words
 
 
 if __name__ == "__main__":

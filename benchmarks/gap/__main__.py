@@ -81,7 +81,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("benchmark-gap"), help="where diagnoses are kept")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after so long; the next call goes on")
     parser.add_argument(
-        "--learn", action="store_true", help="print kind of answer -> (right, of), for gap/answers/sureness.py"
+        "--learn", action="store_true", help="print kind of answer -> (right, of), for gap/answers/hit_rates.py"
     )
     parser.add_argument("--only", default="", help="only runs whose key contains this; 'foreign': those plants")
     parser.add_argument(
@@ -91,33 +91,33 @@ def main() -> None:
         "--bare", action="store_true", help="without the refitted baselines and the oracle of what shows"
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write every row as a table")
-    told = parser.parse_args()
-    if told.only.startswith("foreign"):
-        raise SystemExit(0 if foreign(told) else 1)
-    runs = in_turn([run for run in benchmark(told.family) if told.only in run.key])
-    large = in_turn([run for run in plant_runs(told.family) if told.only in run.key])
-    if told.quick:
+    options = parser.parse_args()
+    if options.only.startswith("foreign"):
+        raise SystemExit(0 if foreign(options) else 1)
+    runs = in_turn([run for run in benchmark(options.family) if options.only in run.key])
+    large = in_turn([run for run in plant_runs(options.family) if options.only in run.key])
+    if options.quick:
         runs, large = [run for run in runs if run.setting == "ideal" and run.severity == "typical"][:6], []
-    if told.part[1]:
-        runs, large = (some[told.part[0] - 1 :: told.part[1]] for some in (runs, large))
-    until = time.monotonic() + 60.0 * told.minutes
-    found = list(rows(runs, told.folder, until - time.monotonic(), told.part, told.bare))
-    file, also = part_file(told.folder, "plant", told.part), sorted(told.folder.glob("plant*.jsonl"))
+    if options.part[1]:
+        runs, large = (some[options.part[0] - 1 :: options.part[1]] for some in (runs, large))
+    until = time.monotonic() + 60.0 * options.minutes
+    found = list(rows(runs, options.folder, until - time.monotonic(), options.part, options.bare))
+    file, also = part_file(options.folder, "plant", options.part), sorted(options.folder.glob("plant*.jsonl"))
     plant = list(resumed(large, plant_row, file, until - time.monotonic(), also))
-    if told.learn:
-        from stickslip.gap.answers.sureness import counted
+    if options.learn:
+        from stickslip.gap.answers.hit_rates import counted
 
         seen = [r | {"right": right(r)} for r in found if r["visible"] > VISIBLE or not (r["effects"] or r["outside"])]
         print(counted(seen))
-    if told.csv is not None:
-        write_table([*found, *plant], told.csv)
+    if options.csv is not None:
+        write_table([*found, *plant], options.csv)
     out, counts = figures(found, plant)
     made, of = len(found) + len(plant), len(runs) + len(large)
-    if told.json != "-":
+    if options.json != "-":
         print(f"{made} of {of} records; shares with their count and interval of 95 %:")
         for name, count in counts.items():
             print(f"  {name:24} {count}")
-    met = publish(out, NOTES, told.json, told.quick or made < of)
+    met = publish(out, NOTES, options.json, options.quick or made < of)
     raise SystemExit(0 if met else 1)
 
 

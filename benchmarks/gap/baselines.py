@@ -58,7 +58,7 @@ def calibrated_alone(model: "Diagram", null: "Fit") -> "Fit":
     from stickslip.gap.likelihood.fit import refined, unfitted
     from stickslip.gap.likelihood.hypothesis import Hypothesis
     from stickslip.gap.records.given import Given
-    from stickslip.gap.telling.sizes import SEEN
+    from stickslip.gap.reporting.sizes import SEEN
 
     loose = model.with_tolerances({key: share for key, share in LOOSE.items() if key in model.params})
     tolerances = {key: loose.tolerances[key] for key in loose.tolerances if key in null.hypothesis.frame.model.params}
@@ -70,7 +70,7 @@ def calibrated_alone(model: "Diagram", null: "Fit") -> "Fit":
 
 def without_what_is_predicted(frame: Any, innovations: Any) -> Any:
     """Return innovations (rows, signals) less what random features of earlier rows predict of them."""
-    from stickslip.gap.telling.sizes import SEEN
+    from stickslip.gap.reporting.sizes import SEEN
 
     log, first = frame.record.log, frame.skipped
     e = np.nan_to_num(innovations[first:])

@@ -84,9 +84,9 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after so long; the next call goes on")
     parser.add_argument("--folder", type=Path, default=Path("benchmark-gap"), help="where diagnoses are kept")
     parser.add_argument("--only", default="", help="only runs whose key contains this")
-    told = parser.parse_args()
-    runs = [run for run in singles("tuning", told.setting, SEVERITIES[1:], 1) if told.only in run.key]
-    rows = list(leaving_out(runs, told.folder / "leaving_out.jsonl", 60.0 * told.minutes))
+    options = parser.parse_args()
+    runs = [run for run in singles("tuning", options.setting, SEVERITIES[1:], 1) if options.only in run.key]
+    rows = list(leaving_out(runs, options.folder / "leaving_out.jsonl", 60.0 * options.minutes))
     print(f"{len(rows)} of {len(runs)} records, each without the class of its effect:")
     print(table(rows))
     for row in rows:

@@ -176,13 +176,13 @@ def main() -> None:
     """Print what was found on one kind of data."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("what", choices=("tanks", "valve", "pump", "loops"))
-    told = parser.parse_args()
+    options = parser.parse_args()
     if not DATA.exists():
         raise SystemExit(f"no data at {DATA}; set STICKSLIP_DATA to the folder of the real records")
-    if told.what in ("pump", "loops"):
-        print({"pump": pump, "loops": loops}[told.what]())
+    if options.what in ("pump", "loops"):
+        print({"pump": pump, "loops": loops}[options.what]())
     else:
-        print(steps(told.what, 3, (*OF_VALVE, "sensor_bias", "sensor_span") if told.what == "valve" else None)[2])
+        print(steps(options.what, 3, (*OF_VALVE, "sensor_bias", "sensor_span") if options.what == "valve" else None)[2])
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def _line(row: Mapping[str, Any]) -> list[str]:
     >>> _line({**row, "probability": None, "unknown": False, "cpu": 0.61})[:4]
     ['report/ideal/none/typical/1000/no_mv', '0.0', 'False', '']
     """
-    told = [row.get(key) for key in ("cause", "place", "both", "unknown")]
+    marks = [row.get(key) for key in ("cause", "place", "both", "unknown")]
     return [
         row["key"],
         str(round(row.get("visible", 0.0), 3)),
@@ -41,6 +41,6 @@ def _line(row: Mapping[str, Any]) -> list[str]:
         " ".join(row["names"]),
         " ".join(row["places"]),
         "" if row["probability"] is None else str(round(row["probability"], 3)),
-        *("" if value is None else str(bool(value)) for value in told),
+        *("" if value is None else str(bool(value)) for value in marks),
         str(round(row["cpu"], 1)),
     ]

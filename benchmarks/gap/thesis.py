@@ -187,11 +187,11 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--json", metavar="FILE", help="also write the table as JSON")
-    told = parser.parse_args()
+    options = parser.parse_args()
     found = table()
     print(page(found))
-    if told.json:
-        Path(told.json).write_text(json.dumps([vars(one) for one in found], indent=1))
+    if options.json:
+        Path(options.json).write_text(json.dumps([vars(one) for one in found], indent=1))
 
 
 if __name__ == "__main__":

@@ -141,11 +141,11 @@ def _passed(e, h, OP, random, S, J, every, first, draws, turns, repeats):  # typ
             away = 0.0
             for s in range(every):
                 at = k * every + s
-                told = OP[at] + (random * draws[at, i] if s else 0.0)
-                pull = told - x[i]
+                command = OP[at] + (random * draws[at, i] if s else 0.0)
+                pull = command - x[i]
                 if abs(pull) > max(0.5 * (S + J) * repeats[i], 0.5 * (S - J)):
-                    x[i] = told - math.copysign(0.5 * (S - J), pull)
-                away += (x[i] - told) / every
+                    x[i] = command - math.copysign(0.5 * (S - J), pull)
+                away += (x[i] - command) / every
             past[i, k % REACH] = away
         largest, none = -1e300, 0.0
         for q in range(kinds):

@@ -48,7 +48,7 @@ PROBE = 0.02  # of a tolerance, or of a typical size, for slopes
 ROUNDS, SETTLED = 8, 0.02  # steps of Gauss and Newton; nats that one must gain
 
 
-def told(record: Record) -> float:
+def nats_shown(record: Record) -> float:
     """Return the nats that a record tells of its one effect; infinite for one that digits, noise or scans show."""
     if len(record.effects) != 1 or set(record.effects) & set(DIGITS) or not SETTINGS[record.setting].scanned:
         return float("inf")
@@ -61,7 +61,7 @@ def told(record: Record) -> float:
     return min(found - by_tolerances(record), most) if found < PLAIN else min(found, most)
 
 
-def told_apart(record: Record, other: str) -> float:
+def nats_apart(record: Record, other: str) -> float:
     """Return the nats by which a record tells its one effect from another of any size, a step from the start.
 
     A sine from a slug, and the other way round, near the period of the one that is there; infinite where it shows
@@ -99,7 +99,7 @@ def alike_here(record: Record, names: Sequence[str]) -> tuple[str, ...]:
     """Return those of some effects that the record, without MV, cannot tell from its own: its class in this record."""
     (name,) = record.effects
     known = alike(name, False, record.setting)
-    return tuple(one for one in names if one in known or told_apart(record, one) < TIE)
+    return tuple(one for one in names if one in known or nats_apart(record, one) < TIE)
 
 
 def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
     And, where the truth is in a set that is larger than its class, whether name and places of the set are no more than
     what this record cannot tell apart; None elsewhere.
     """
-    nats = told(record)
+    nats = nats_shown(record)
     found: dict[str, Any] = {"told": nats if np.isfinite(nats) else None, "told_apart": None, "told_place": None}
     names = row["sets"][0] if len(record.effects) == 1 and row["sets"] else []
     if "cause" in row and not (row["cause"] and row.get("place", True)) and set(record.effects) & set(names):

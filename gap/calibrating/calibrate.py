@@ -17,10 +17,10 @@ from stickslip.gap.calibrating.calibration import Calibration, file_of, rows_of
 from stickslip.gap.calibrating.injection import Injection, injections
 from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import CATALOGUE
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import legal, model_alone
+from stickslip.gap.null_model.null_model import without_gap
 from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
 from stickslip.logs.processes import one_thread
@@ -40,7 +40,7 @@ def calibrated(
     """Return how often names are right at the operating point of a log; ``diagnose`` then states these probabilities.
 
     Every effect is put into the model at every place where it may be, ``runs`` times with random sizes, with the set
-    points, rows, rounding and logged signals of ``log``; each run is diagnosed.  Runs are kept beside the floor of the
+    points, rows, rounding and logged signals of ``log``; each run is diagnosed.  Runs are kept beside the null
     model: a second call goes on where the first was stopped.  ``seconds`` after which it stops; ``seed`` of sizes and
     noise.
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.answers.sureness import Sureness, counted
+from stickslip.gap.answers.hit_rates import HitRates, counted
 from stickslip.gap.records.record import Record
 
 
@@ -27,9 +27,9 @@ class Calibration:
     rows: tuple[Mapping[str, Any], ...]
 
     @property
-    def sureness(self) -> Sureness:
+    def hit_rates(self) -> HitRates:
         """How often names were right, by the kind of answer."""
-        return Sureness(counted(self.rows), len(self.rows))
+        return HitRates(counted(self.rows), len(self.rows))
 
     @property
     def confusion(self) -> dict[str, dict[str, int]]:
@@ -69,8 +69,8 @@ class Calibration:
             least, missed, what = self.limits.get(name, (float("nan"), float("nan"), ""))
             size = [f"named from {least:.4g} on"] if least == least else []
             size += [f"missed up to {missed:.4g}"] if missed == missed else []
-            told = f"; {what} {', '.join(size)}" if size else ""
-            lines.append(f"  {name}: {right} of {of}{told}" + (f"; instead: {wrong}" if wrong else ""))
+            sizes = f"; {what} {', '.join(size)}" if size else ""
+            lines.append(f"  {name}: {right} of {of}{sizes}" + (f"; instead: {wrong}" if wrong else ""))
         for of_kind, (right, of) in counted(self.rows).items():
             lines.append(f"  answers '{of_kind}': right {right} of {of}")
         return "\n".join(lines)

@@ -9,12 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect, Parameter
 from stickslip.gap.likelihood.fit import Fit
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hidden import least_shown
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.null_model.null_model import without_gap
 from stickslip.logs import Log
 
 KNOWN_WITHIN = (1,)  # of the seed of a run: the random numbers of parameters that are known within a tolerance only

@@ -31,7 +31,7 @@ LATE = 100  # scans of dead time at most: each is one more z, and the work grows
 @dataclass(frozen=True, eq=False)
 class Scanned:
     """Matrices over the columns [z, OPs, u]: one of u for each ``kind``, the logged inputs, the time and 1.  Where a
-    valve is cut they are [z, OPs, MV, u], and ``told`` is the opening that the valve is told.
+    valve is cut they are [z, OPs, MV, u], and ``command`` is the opening that the valve is sent.
 
     ``F`` next z; ``v`` what controllers give, (controllers, columns), each follows those before it only; ``H`` logged
     signals; ``Q``; ``memory`` of the controllers, ``of`` which each is; ``last`` where z has the last OPs; ``period``
@@ -52,7 +52,7 @@ class Scanned:
     start: Values
     states: tuple[str, ...]
     drawn: Whole
-    told: Values | None = None
+    command: Values | None = None
 
     @property
     def n(self) -> int:

@@ -9,7 +9,7 @@ them: a draw of OP is led by the next row,
 
 as if the stem stayed where it is until then, and pays for it in its weight, the ratio of both densities.
 
-    a stem sticks at x until |told - x| > (S + J)/2, and then stands at told -+ (S - J)/2
+    a stem sticks at x until |command - x| > (S + J)/2, and then stands at command -+ (S - J)/2
 
 At a row     w_i <- w_i N(miss_i; 0, s_i),      likelihood of the row = sum w_i N(miss_i; 0, s_i)
 
@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.exact.kalman import measurement_update, time_update
 from stickslip.gap.exact.scanned import Scanned
-from stickslip.gap.floors.modes import CHARGE
+from stickslip.gap.null_model.modes import CHARGE
 from stickslip.logs.arrays import Values
 from stickslip.logs.compiled import njit
 
@@ -61,7 +61,7 @@ def left_by_stems(
     ``again`` (rows, signals) which controller begins anew at a row as its output is logged, -1 for none: it may have
     been at a limit before.
     """
-    assert one.told is not None
+    assert one.command is not None
     draws, turns, repeats = _numbers(seed, count, len(u), len(one.v), len(Y))
     n, C = one.n, len(one.v)
     free = np.zeros((C, n))
@@ -79,8 +79,8 @@ def left_by_stems(
     kept = np.array([one.memory[np.argmax(one.of == c)] if (one.of == c).any() else one.last[c] for c in range(C)])
     below, losses = np.empty(Y.shape), np.empty(len(Y))
     stood, came = np.empty((len(u), count), dtype=np.float32), np.empty((len(Y), count), dtype=np.int32)
-    _banked(one.F, one.v, one.told, one.H, one.last, one.start, u, Y, every, K, s, of_OP, q, G, b, g, p, moved, known,
-            float(S), float(J), draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
+    _banked(one.F, one.v, one.command, one.H, one.last, one.start, u, Y, every, K, s, of_OP, q, G, b, g, p, moved,
+            known, float(S), float(J), draws, turns, repeats, again, kept, below, losses, stood, came)  # fmt: skip
     row_of = np.full(len(u), -1)
     row_of[::every] = np.arange(len(Y))
     return _deviates(below), losses, likely_path(stood, came, row_of)
@@ -151,13 +151,13 @@ def normal(x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def stuck(x, told, S, J, repeats):  # type: ignore[no-untyped-def]
+def stuck(x, command, S, J, repeats):  # type: ignore[no-untyped-def]
     """Return where a stem stands after its input has become an opening; ``repeats`` is its breakaway over the mean
     one.
     """
-    pull = told - x
+    pull = command - x
     if abs(pull) > max(0.5 * (S + J) * repeats, 0.5 * (S - J)):
-        return told - math.copysign(0.5 * (S - J), pull)
+        return command - math.copysign(0.5 * (S - J), pull)
     return x
 
 
@@ -219,7 +219,7 @@ def _weighed(w, more, largest):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def _banked(  # type: ignore[no-untyped-def]
-    F, v, told, H, last, start, U, Y, every, K, s, of_OP, q, G, b, g, p, moved, known, S, J, draws, turns, repeats,
+    F, v, command, H, last, start, U, Y, every, K, s, of_OP, q, G, b, g, p, moved, known, S, J, draws, turns, repeats,
     again, kept, e, loss, stood, came,
 ):  # fmt: skip
     """Write shares below each innovation, ``e`` (rows, signals), the loss of each row [nats], where each stem ``stood``
@@ -235,7 +235,7 @@ def _banked(  # type: ignore[no-untyped-def]
     for c in range(C):
         R[n + c] = start[last[c]]
     R[at_mv] = 0.0
-    _summed(told, R, U[0], opening)
+    _summed(command, R, U[0], opening)
     for i in range(M):
         x[i] = opening[i] + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
     for k in range(len(U)):
@@ -318,7 +318,7 @@ def _banked(  # type: ignore[no-untyped-def]
             for a in range(n):
                 for i in range(M):
                     z[a, i] += of_OP[phase, c, a] * guess[i]
-        _summed(told, R, U[k], opening)
+        _summed(command, R, U[k], opening)
         for i in range(1, M if phase == 0 and lost else 0, 2):
             x[i] = opening[i] + 0.5 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
         for i in range(M):

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from stickslip.blocks.role import Role
 from stickslip.gap.fits.straightness import corners, deviation_of, sloping
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.null_model.null_model import without_gap
 from stickslip.gap.records.given import Held
 from stickslip.gap.records.record import Digits, rounding
 from stickslip.logs.arrays import Values

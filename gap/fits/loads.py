@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import NU
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.null_model.null_model import NU
 from stickslip.logs.arrays import Values
 
 LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a drift

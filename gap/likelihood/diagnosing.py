@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.diagram.progress import Progress
-from stickslip.gap.floors.floor import measured
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.beside import as_part, with_effect
 from stickslip.gap.likelihood.digits import shows_steps
-from stickslip.gap.likelihood.explained import STEM_TIE, TIE, Outcome, explained, not_told_apart
+from stickslip.gap.likelihood.explained import STEM_TIE, TIE, Outcome, explained, undistinguished
 from stickslip.gap.likelihood.fit import Fit, tried, unfitted
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -20,9 +19,10 @@ from stickslip.gap.likelihood.search import (
     price,
 )
 from stickslip.gap.likelihood.settling import settled
+from stickslip.gap.null_model.null_model import measured
 
 DIGIT_RUNS = 12  # of the model with a sensor of few levels
-UNLIKE = 0.1  # share of their floor that a second effect gains: another program meets levels at other instants
+UNLIKE = 0.1  # share of their usual loss that a second effect gains: another program meets levels at other instants
 
 
 def outcome(
@@ -115,7 +115,7 @@ def _single(alone: Outcome, both: Outcome, seed: int) -> Outcome | None:
     if not enough(fit, best, alone.alone, alone.null):
         return None
     fits = (fit, *alone.fits)
-    return replace(alone, fits=fits, best=best, named=not_told_apart(fits, alone.null))
+    return replace(alone, fits=fits, best=best, named=undistinguished(fits, alone.null))
 
 
 def _pair(alone: Outcome, both: Outcome) -> Outcome:
@@ -161,15 +161,15 @@ def _beside_digits(
 ) -> Outcome:
     """Return what explains a record beside a sensor of few levels, which digits prove: these levels count as noise.
 
-    Through them nothing has slopes. Records of another program lay up to 6 % above the floor that they make.
+    Through them nothing has slopes. Records of another program lay up to 6 % above the loss that they make.
     """
     first = alone.fits[0]
     model = first.hypothesis.model(first.best.values)
-    floor, logs = measured(model, frame.quiet, frame.record, DIGIT_RUNS, seed + 1)
+    null_model, logs = measured(model, frame.quiet, frame.record, DIGIT_RUNS, seed + 1)
     if len(logs) < DIGIT_RUNS // 2:
         return alone
     others = [effect for effect in catalogue if effect is not first.hypothesis.effect]
-    both = explained(replace(frame, floor=floor), others, seed, progress)
+    both = explained(replace(frame, null_model=null_model), others, seed, progress)
     if not both.named or both.null.nll - price(both.named[0]) <= UNLIKE * abs(level(both.null.best)):
         return alone
     return replace(both, firsts=(first,))

@@ -8,7 +8,6 @@ from stickslip.gap.effects.compression import Compression
 from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
-from stickslip.gap.floors.floor import residuals, without_gap
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
@@ -17,6 +16,7 @@ from stickslip.gap.likelihood.judge import enough, judged
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import free_names
 from stickslip.gap.likelihood.verdict import Verdict
+from stickslip.gap.null_model.null_model import residuals, without_gap
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import rounding
 from stickslip.logs.normal import OF_SIZES
@@ -86,7 +86,7 @@ def _seen(f: Replays, signal: str, seed: int) -> bool:
         return False
     logs = without_gap(f.model, f.record, LATTICE_RUNS, seed)
     sizes = [
-        np.abs(residuals(found, f.floor.changes))[:, f.skipped :]
+        np.abs(residuals(found, f.null_model.changes))[:, f.skipped :]
         for found in (offsets(f.quiet, f.record), offsets(f.quiet, f.record, logs=logs))
     ]
     own, usual = (np.nanquantile(one, MOST, axis=(0, 1)) for one in sizes)

@@ -60,7 +60,7 @@ class Outcome:
     textured: bool = False
     firsts: Sequence[Fit] = ()
     stem: LoggedStem | None = None
-    looked: Sequence[Candidate] = ()
+    candidates: Sequence[Candidate] = ()
     rival: UnmeasuredLoad | None = None
 
 
@@ -84,7 +84,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     if shown is not None:
         return Outcome(null, alone, (shown,), None, True, (shown,), textured=True)
     far = null.best.gross or bool(at_bound(null))  # noise that wants to be larger than it can be hides how far it is
-    found = _looked_at(null, rough, catalogue, far, progress)
+    found = _candidates(null, rough, catalogue, far, progress)
     values = float(np.isfinite(null.best.judged).sum())
     roughly = ROUGHLY + _taken(null)
     calm = not alone.unusual and all(worth(c, values) + roughly < needed(found) for c in found)
@@ -100,7 +100,7 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
     )
     gap = alone.unusual or gains
     if not gap or not fits:
-        return Outcome(null, alone, fits, None, gap, (), looked=found)
+        return Outcome(null, alone, fits, None, gap, (), candidates=found)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.hypothesis.effect, c.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if far else beside, seed, null)  # far from the log no direction is right
@@ -114,8 +114,8 @@ def explained(frame: Frame, catalogue: Sequence[Effect], seed: int, progress: Pr
         good = enough(fits[0], best, alone, null) and (frame.replays or not likelier(fits[0], null, unsure))
     share = moved(mine, fits[0].best.values, seed) if good or not alone.unusual else 1.0
     if share < least(frame):
-        return Outcome(null, alone, fits, None, False, (), share, looked=found)
-    return Outcome(null, alone, fits, best, gap, not_told_apart(fits, null) if good else (), rival=rival)
+        return Outcome(null, alone, fits, None, False, (), share, candidates=found)
+    return Outcome(null, alone, fits, best, gap, undistinguished(fits, null) if good else (), rival=rival)
 
 
 def _taken(null: Fit) -> float:
@@ -137,7 +137,7 @@ def _least_gain(fit: Fit, null: Fit, found: Sequence[Candidate], seed: int) -> f
     return allowed(frame) + gained_by_chance(fit, null, seed)
 
 
-def _looked_at(
+def _candidates(
     null: Fit, rough: Fit, catalogue: Sequence[Effect], far: bool, progress: Progress
 ) -> Sequence[Candidate]:
     """Return a first size of every effect, the best first."""
@@ -151,7 +151,7 @@ def _looked_at(
     return by_score(null, legal(null, catalogue), progress)
 
 
-def not_told_apart(fits: Sequence[Fit], null: Fit) -> Sequence[Fit]:
+def undistinguished(fits: Sequence[Fit], null: Fit) -> Sequence[Fit]:
     """Return the first fit, and those that the record does not tell from it, the likeliest first.
 
     A jump of a stem that explains hardly anything of the gap beyond a play is not told from none.

@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import settling_rows
 from stickslip.gap.likelihood.felt import felt
 from stickslip.gap.likelihood.frame import BUDGET, Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
@@ -13,6 +12,7 @@ from stickslip.gap.likelihood.phase import in_phase
 from stickslip.gap.likelihood.prepared import NoFilter
 from stickslip.gap.likelihood.settling import SETTLING
 from stickslip.gap.likelihood.switches import with_ramps, with_switches
+from stickslip.gap.null_model.null_model import settling_rows
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import nuisances, silenced
 from stickslip.gap.records.record import Record

@@ -9,7 +9,7 @@ from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.settling import FIRST, free_names
 from stickslip.gap.likelihood.stems import StemFit
-from stickslip.gap.telling.sizes import SEEN, shrinkage, shrinkage_of_losses
+from stickslip.gap.reporting.sizes import SEEN, shrinkage, shrinkage_of_losses
 
 
 def held_out(null: Fit, best: Fit) -> Shrinkage | None:
@@ -29,7 +29,7 @@ def _shrunk(before: Innovations, after: Innovations) -> Shrinkage:
         rows = slice(f.skipped, None)
         first = round(SEEN * len(f.Y)) - f.skipped
         after_e = after.missed / np.sqrt(before.S)  # in one unit, whatever noise each has
-        return shrinkage(before.e[rows], after_e[rows], f.floor.mean / len(f.signals), first)
+        return shrinkage(before.e[rows], after_e[rows], f.null_model.mean / len(f.signals), first)
     # innovations of a mixture are of unit size by what they are
     e = after.e if after.mixed is None else np.where(np.isnan(after.e), np.nan, 1.0)
     return shrinkage_of_losses(before.losses, after.losses, e, round(SEEN * len(e)))

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.gap.answers.seen import Seen
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.insertion.about import FactorAbout
 from stickslip.gap.insertion.effect import Parameter
 from stickslip.gap.likelihood.bank import left_by_bank
@@ -20,6 +19,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.relevance import least, moved
 from stickslip.gap.likelihood.scores import score
 from stickslip.gap.likelihood.threads import in_threads
+from stickslip.gap.null_model.null_model import without_gap
 
 FEW = 6  # effects that are asked of a large diagram: each takes about ten seconds there
 RUNS, DOUBLED = 2, 3  # with each size; times that a size is doubled

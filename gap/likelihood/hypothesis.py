@@ -13,7 +13,6 @@ from stickslip.engine.filtering import extended, followed, otherwise
 from stickslip.engine.restarts import kept_sizes, standing, steps_taken
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.exact import LEAST, start_spread
-from stickslip.gap.floors.floor import NU, UNIT, losses
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.gains import Labels, gains_for, turns_for
 from stickslip.gap.likelihood.path import Path, complain
@@ -21,6 +20,7 @@ from stickslip.gap.likelihood.prepared import Prepared, prepared
 from stickslip.gap.likelihood.replay import Replays, left_by_replays
 from stickslip.gap.likelihood.statement import Statement
 from stickslip.gap.likelihood.threads import go_on
+from stickslip.gap.null_model.null_model import NU, UNIT, losses
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
 

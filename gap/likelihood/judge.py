@@ -18,7 +18,6 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import without_gap
 from stickslip.gap.likelihood.bank import left_by_bank
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.checks import checks
@@ -32,6 +31,7 @@ from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.scores import at_bound, basis, trusted
 from stickslip.gap.likelihood.threads import in_threads
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
+from stickslip.gap.null_model.null_model import without_gap
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values
 

@@ -10,18 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from stickslip.gap.floors.floor import losses, without_gap
 from stickslip.gap.likelihood.checks import checks
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.hypothesis import Innovations
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.verdict import ALARM, Verdict
+from stickslip.gap.null_model.null_model import losses, without_gap
 from stickslip.logs.arrays import Values
 
 SIGMAS = 4.5  # by which a loss may exceed its mean without a gap
 SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread forty runs tell
 GAINED = 12.0  # nats that what is left may lie above that
-INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
+INEXACT = 0.005  # nats a row that another integrator may cost, where the null model is as sharp as rounding
 NEARLY, NEARLY_HIDDEN = 0.94, 0.85  # share of a gap that an effect explains nearly
 NEARLY_SQUARED = 0.9  # of the squares that a stem explains whatever its law, in a model without noise
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
@@ -38,7 +38,7 @@ def judged_by_loss(fit: Fit, null: Fit | None = None, seed: int = 0) -> Verdict:
     """
     f = fit.hypothesis.frame
     assert isinstance(f, Replays)
-    unit = f.floor.sd * math.sqrt(known(fit.best))
+    unit = f.null_model.sd * math.sqrt(known(fit.best))
     far = SIGMAS if f.record.filter is None else SIGMAS_OF_FILTER
     beyond = left(fit.best) - level(fit.best)
     limit = far * unit
@@ -73,7 +73,7 @@ def _only_at_limit(fit: Fit) -> bool:
     if rows.all():
         return False
     n = float(rows.sum())
-    usual = f.floor.mean * n + SIGMAS * f.floor.sd * math.sqrt(n)
+    usual = f.null_model.mean * n + SIGMAS * f.null_model.sd * math.sqrt(n)
     return float(losses(fit.best.e[f.skipped :][rows]).sum()) <= usual + allowed(f)
 
 
@@ -112,7 +112,7 @@ def _unproven(found: Innovations) -> Values:
     f = found.hypothesis.frame
     assert isinstance(f, Replays)
     factor = np.ones(len(f.signals))
-    stated = np.diag(f.floor.L)[[f.record.pinned.index(s) for s in f.signals]]
+    stated = np.diag(f.null_model.L)[[f.record.pinned.index(s) for s in f.signals]]
     for j, s in enumerate(f.signals):
         by = math.sqrt(float(np.nanmax(found.S[:, j], initial=0.0))) / stated[j]
         if by <= LARGER or max(abs(x) for name, x in checks(found).items() if s in name.split()) > WHITE:
@@ -129,12 +129,12 @@ def level(found: Innovations) -> float:
     """Return the mean loss of so many rows without a gap [nats]."""
     f = found.hypothesis.frame
     assert isinstance(f, Replays)
-    return f.floor.mean * known(found)
+    return f.null_model.mean * known(found)
 
 
 def allowed(frame: Replays) -> float:
     """Return the gain in log likelihood from which on an effect is worth reporting [nats]."""
-    return GAINED + (0.0 if frame.floor.coloured else INEXACT * (len(frame.Y) - frame.skipped))
+    return GAINED + (0.0 if frame.null_model.coloured else INEXACT * (len(frame.Y) - frame.skipped))
 
 
 def _own_runs(fit: Fit, far: float, seed: int) -> float:
@@ -147,5 +147,5 @@ def _own_runs(fit: Fit, far: float, seed: int) -> float:
             found.append(left(run) - level(run))
     if len(found) < 2:
         return 0.0
-    spread = max(float(np.std(found, ddof=1)), f.floor.sd * math.sqrt(known(fit.best)))
+    spread = max(float(np.std(found, ddof=1)), f.null_model.sd * math.sqrt(known(fit.best)))
     return float(np.mean(found)) + far * spread + allowed(f)

@@ -55,11 +55,11 @@ def logged_stem(diagram: Diagram, record: Record) -> LoggedStem | None:
     for block in diagram.blocks:
         if block.role is not Role.VALVE or len(block.input_labels) != 1 or len(block.output_labels) != 1:
             continue
-        told, stem = str(block.input_labels[0]), given(diagram, block.name)
-        if told not in record.pinned or stem not in record.pinned:
+        command, stem = str(block.input_labels[0]), given(diagram, block.name)
+        if command not in record.pinned or stem not in record.pinned:
             continue
-        good = record.log.good(told) & record.log.good(stem)
-        OP, MV = record.log[told][good], record.log[stem][good]
+        good = record.log.good(command) & record.log.good(stem)
+        OP, MV = record.log[command][good], record.log[stem][good]
         try:
             line = affine(block, np.array([float(OP.mean())]))
         except NotAffine:

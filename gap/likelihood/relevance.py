@@ -8,9 +8,9 @@ of the stretch in which it moves most: a limit that is met at few switches matte
 from collections.abc import Mapping
 
 import numpy as np
-from stickslip.gap.floors.floor import unrounded
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.null_model.null_model import unrounded
 
 RUNS = 3
 STRETCHES = 20  # of a record

@@ -1,7 +1,7 @@
 """What a model without wandering loads leaves of a record: a pinned replay tells all that a filter would.
 
 Nothing is to be estimated there: what drives each block is logged, or follows from what is.  Each row's residual is
-white but for what runs of the model themselves show (``stickslip.gap.floors.floor``), so its innovations are
+white but for what runs of the model themselves show (``stickslip.gap.null_model.null_model``), so its innovations are
 
     e = L^-1 (r_k - sum_j A_j r_(k-j)) / factor          factor: of the noise of the sensor that gives the signal
 """
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.inputs import close, source_name
-from stickslip.gap.floors.floor import Floor, measured
-from stickslip.gap.floors.modes import CHARGE, branches_of
 from stickslip.gap.insertion.paths import noise_of
 from stickslip.gap.likelihood.frame import Frame
 from stickslip.gap.linearised.filtered import filter_of
-from stickslip.gap.linearised.usual import floor_of_record, suspected
+from stickslip.gap.linearised.usual import null_model_of_record, suspected
+from stickslip.gap.null_model.modes import CHARGE, branches_of
+from stickslip.gap.null_model.null_model import NullModel, measured
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import silenced
 from stickslip.gap.records.offsets import branched
@@ -45,9 +45,9 @@ class Left:
 
 @dataclass(frozen=True, eq=False)
 class Replays(Frame):
-    """A frame whose hypotheses are replayed; ``floor`` what replays of runs without a gap leave."""
+    """A frame whose hypotheses are replayed; ``null_model`` what replays of runs without a gap leave."""
 
-    floor: Floor = field(kw_only=True)
+    null_model: NullModel = field(kw_only=True)
 
     @property
     def replays(self) -> bool:
@@ -62,7 +62,7 @@ class Replays(Frame):
     @property
     def skipped(self) -> int:
         """Rows at the beginning that are not judged."""
-        return self.floor.skipped
+        return self.null_model.skipped
 
     @cached_property
     def quick(self) -> "Replays":
@@ -74,17 +74,17 @@ class Replays(Frame):
     def scaled(self, e: Values, charge: float, settings: Mapping[str, float]) -> Left:
         """Return innovations of the scored rows in the noise that settings have, in place of what is stated."""
         columns = [self.record.pinned.index(s) for s in self.signals]
-        unit, factor = np.diag(self.floor.L)[columns], np.ones(len(self.signals))
+        unit, factor = np.diag(self.null_model.L)[columns], np.ones(len(self.signals))
         for block, signals in self.factors.items():
             by = settings[f"{block}.sd"] / self.given.base.stated[f"{block}.sd"]
             factor[[self.signals.index(s) for s in signals]] = by
-        whole = np.concatenate([np.full((self.floor.skipped, len(factor)), np.nan), e / factor])
+        whole = np.concatenate([np.full((self.null_model.skipped, len(factor)), np.nan), e / factor])
         return Left(whole, np.where(np.isnan(whole), np.nan, (unit * factor) ** 2), charge)
 
     @property
     def changing(self) -> tuple[str, ...]:
         """Signals without a level, whose change is judged; a stem is held to the OP of each row."""
-        moves = [s for s, yes in zip(self.record.pinned, self.floor.changes, strict=True) if yes]
+        moves = [s for s, yes in zip(self.record.pinned, self.null_model.changes, strict=True) if yes]
         return tuple(s for s in moves if self.model.blocks[self.model.driven[s][0]].role is not Role.VALVE)
 
     @cached_property
@@ -129,17 +129,17 @@ def replays_of(model: Diagram, record: Record, seed: int = 0) -> Replays:
     start = start_values(quiet, record) if filtered is None else {}
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if filtered is not None:
-        record, floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
-        record = suspected(quiet, record, floor, usual)
+        record, null_model, usual = null_model_of_record(model, quiet, record, RUNS, seed + 1)
+        record = suspected(quiet, record, null_model, usual)
     else:
-        floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-    left = len(record.log) - floor.skipped
+        null_model, _ = measured(model, quiet, record, RUNS, seed + 1)
+    left = len(record.log) - null_model.skipped
     if left < FEWEST:
         raise GapError(
             f"of the log's {len(record.log)} rows {max(left, 0)} are left once the model has settled, which is "
-            f"too few to tell a gap; give at least {floor.skipped + FEWEST}"
+            f"too few to tell a gap; give at least {null_model.skipped + FEWEST}"
         )
-    return Replays(Given(model), record, floor=floor)
+    return Replays(Given(model), record, null_model=null_model)
 
 
 def left_by_replays(
@@ -170,9 +170,9 @@ def _replayed(
         silent = close(silent, {s: record.source(s, name=source_name(silent, s)) for s in moving})
         record = replace(record, played=tuple(s for s in record.played if s not in moving))
     params = {key: np.array([row[k] for row in rows]) for k, key in enumerate(keys)}
-    branches = branches_of(silent, f.quiet, record, f.floor, params) if modes else None
+    branches = branches_of(silent, f.quiet, record, f.null_model, params) if modes else None
     found, kept = branched(silent, record, params, branches=branches, workers=1)
-    left = f.floor.innovations(found)[..., [record.pinned.index(s) for s in f.signals]]
-    if f.floor.coloured and record.filter is None:
-        left[:, f.at_limit[f.floor.skipped :][: left.shape[1]]] = np.nan
+    left = f.null_model.innovations(found)[..., [record.pinned.index(s) for s in f.signals]]
+    if f.null_model.coloured and record.filter is None:
+        left[:, f.at_limit[f.null_model.skipped :][: left.shape[1]]] = np.nan
     return [None if np.isnan(e).all() else (e, CHARGE * charge) for e, charge in zip(left, kept.tolist(), strict=True)]

@@ -22,13 +22,13 @@ def at_bound(fit: Fit) -> tuple[str, ...]:
     return tuple(name for name, (now, low, high) in known.items() if min(now / low, high / now) < 1.0 + AT_BOUND)
 
 
-def score(null: Fit, looked: Innovations) -> tuple[float, Values, float] | None:
+def score(null: Fit, found: Innovations) -> tuple[float, Values, float] | None:
     """Return the gain that the score promises [nats], the direction of the change, and its length [standard
     deviations]; None where nothing is felt.
     """
     weight = trusted(null)
     with np.errstate(invalid="ignore"):  # in the variances of the model, whatever another filter has
-        d = np.nan_to_num((looked.missed - null.best.missed) / np.sqrt(null.best.S)) * weight
+        d = np.nan_to_num((found.missed - null.best.missed) / np.sqrt(null.best.S)) * weight
     for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
     with np.errstate(over="ignore"):  # gains of one model may drive another away

@@ -68,7 +68,7 @@ def fitted_stem(
     """
     one = one.of(replace(one.frame, draws=BETWEEN))
     few = FewStems(null, _without_band(one))
-    banks = sorted(_looked_at(few, one, without, fairly), key=lambda bank: bank.least)
+    banks = sorted(_screened(few, one, without, fairly), key=lambda bank: bank.least)
     # gains that know the path lose most of a stem that does not stick: no other is charged for it, but it may be one
     lost = 0.0 if one.cheap or not fairly else few.lost(one, FEW)
     near = [bank for bank in banks if bank.least + lost <= within]
@@ -98,7 +98,7 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
     return _finished(last, known)
 
 
-def _looked_at(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool) -> list[Bank]:
+def _screened(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool) -> list[Bank]:
     """Return banks with trials of first sizes that show beside a stem that goes where OP sends it.
 
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.

@@ -60,7 +60,7 @@ def swapped(frame: Replays, place: str) -> Swap | None:
     free, swap = (_errors(frame, held, others) for held in ((), given))
     worst = max(others, key=lambda s: free[s] - swap[s])
     k = pinned.index(worst)
-    noise = 0.0 if frame.floor.changes[k] else float(np.linalg.norm(frame.floor.L[k]))
+    noise = 0.0 if frame.null_model.changes[k] else float(np.linalg.norm(frame.null_model.L[k]))
     return Swap(given, worst, free[worst], swap[worst], noise)
 
 
@@ -71,4 +71,6 @@ def _errors(frame: Replays, given: tuple[str, ...], signals: tuple[str, ...]) ->
     many = ensemble(
         held, log.duration, t0=np.full(1, log.t[0]), times=log.t, signals=list(signals), progress=False
     )  # fmt: skip
-    return {s: float(np.sqrt(np.nanmean((many.values[s][0] - log[s])[frame.floor.skipped :] ** 2))) for s in signals}
+    return {
+        s: float(np.sqrt(np.nanmean((many.values[s][0] - log[s])[frame.null_model.skipped :] ** 2))) for s in signals
+    }

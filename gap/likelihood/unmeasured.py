@@ -18,11 +18,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from stickslip.gap.effects.disturbance import Disturbance
-from stickslip.gap.floors.floor import scored, without_gap
 from stickslip.gap.likelihood.fit import Fit, tried
 from stickslip.gap.likelihood.left import GAINED, SIGMAS, known, level
 from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.likelihood.sizes import response
+from stickslip.gap.null_model.null_model import scored, without_gap
 from stickslip.logs.arrays import Values
 
 Complex = NDArray[np.complex128]
@@ -97,7 +97,7 @@ def unmeasured_load(null: Fit) -> UnmeasuredLoad | None:
     signal = str(f.quiet[place].output_labels[0])
     unit = f.quiet.signal_units.get(signal, "")
     usual, whole = level(null.best), float(scored(e))
-    limit = usual + SIGMAS * f.floor.sd * math.sqrt(known(null.best)) + GAINED
+    limit = usual + SIGMAS * f.null_model.sd * math.sqrt(known(null.best)) + GAINED
     part = float(np.clip((whole - left) / max(whole - usual, 1e-9), 0.0, 1.0))
     gained = whole - F - _without_gap(null, h)
     return UnmeasuredLoad(place, unit, sd, period * f.record.log.dt, gained, left, limit, part)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stickslip.diagram.diagram import Diagram
 from stickslip.diagram.ensembles.running import ensemble
-from stickslip.gap.floors.floor import EXACT
 from stickslip.gap.linearised.between import BEFORE, line, moves
+from stickslip.gap.null_model.null_model import EXACT
 from stickslip.gap.records.record import Record, switch_rows, switches
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values

@@ -249,7 +249,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         return None
     found = parts(quiet, record, wandering)
     inside = {str(s) for name in found.rest for s in quiet[name].output_labels}
-    loads = {s: told for s, told in wandering.items() if s in inside}
+    loads = {s: size for s, size in wandering.items() if s in inside}
     if not found.measured or not loads:
         return None
     dt = float(np.median(np.diff(record.log.t)))

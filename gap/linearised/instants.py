@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import losses, undisturbed
 from stickslip.gap.linearised.filtered import Filter, known_to
+from stickslip.gap.null_model.null_model import losses, undisturbed
 from stickslip.gap.records.record import Record, switch_rows, switches
 from stickslip.logs.arrays import Values
 from stickslip.logs.normal import OF_SIZES
@@ -59,43 +59,43 @@ def with_switches(quiet: Diagram, record: Record, filter: Filter) -> Record:
     least = [known_to(record, s) if s in filter.parts.judged else LEAST for s in record.pinned]
     scale = np.maximum(OF_SIZES * np.nanmedian(np.abs(plain), axis=0), least)
     everywhere = {(s, k): 0.0 for s in rows for k in rows[s]}
-    told: dict[Switch, dict[float, float]] = {one: {} for one in everywhere}  # switch -> share -> loss behind it
+    losses_at: dict[Switch, dict[float, float]] = {one: {} for one in everywhere}  # switch -> share -> loss behind it
 
     def tried(shares: Mapping[Switch, float], moved: Iterable[Switch]) -> None:
         loss = left(shares)
         for one in moved:
-            told[one][shares[one]] = float(loss[one[1] : one[1] + BEHIND].sum())
+            losses_at[one][shares[one]] = float(loss[one[1] : one[1] + BEHIND].sum())
 
     for share in (0.0, *SHARES):
         tried(dict.fromkeys(everywhere, share), everywhere)
     # where one switch is surely between rows, all may be
-    worth = 0.0 if any(one[0.0] - min(one.values()) > SURE for one in told.values()) else WORTH
-    best = _best(told, worth)
+    worth = 0.0 if any(one[0.0] - min(one.values()) > SURE for one in losses_at.values()) else WORTH
+    best = _best(losses_at, worth)
     if not any(best.values()):
         return record
     if not worth:
-        for moved in _in_turn(told):
+        for moved in _in_turn(losses_at):
             for one in moved:
-                told[one].clear()
+                losses_at[one].clear()
             for share in AGAIN:
                 tried({**best, **dict.fromkeys(moved, share)}, moved)
-            best = _best(told, worth)
+            best = _best(losses_at, worth)
     for finer in FINER:
         for way in (-finer, finer):
             near = {one: min(max(share + way, 0.0), 0.99) if share > 0.0 else 0.0 for one, share in best.items()}
             tried(near, everywhere)
-        best = _best(told, worth)
+        best = _best(losses_at, worth)
     leads = {
         s: {k: best[s, k] * float(log.t[k] - log.t[k - 1]) for k in rows[s] if best[s, k] > 0.0} for s in rows
     }  # fmt: skip
     return replace(record, leads={s: early for s, early in leads.items() if early})
 
 
-def _best(told: Mapping[Switch, Mapping[float, float]], worth: float) -> dict[Switch, float]:
+def _best(losses_at: Mapping[Switch, Mapping[float, float]], worth: float) -> dict[Switch, float]:
     """Return the share of least loss of each switch; one between rows costs ``worth`` [nats]."""
     return {
         one: min(by_share, key=lambda share: by_share[share] + worth * (share > 0.0))
-        for one, by_share in told.items()
+        for one, by_share in losses_at.items()
     }  # fmt: skip
 
 

@@ -9,24 +9,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import (
-    Floor,
-    floor_of,
+from stickslip.gap.linearised.filtered import Filter
+from stickslip.gap.linearised.instants import with_switches
+from stickslip.gap.linearised.parts import ancestors
+from stickslip.gap.null_model.null_model import (
+    NullModel,
     losses,
+    null_model_of,
     residuals,
     scored,
     settling_rows,
     undisturbed,
     usual_runs,
 )
-from stickslip.gap.linearised.filtered import Filter
-from stickslip.gap.linearised.instants import with_switches
-from stickslip.gap.linearised.parts import ancestors
 from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import Record
 from stickslip.logs.arrays import Values
 
-FOLDS = 4  # parts of the runs, each of which tells the score of a floor made of the others
+FOLDS = 4  # parts of the runs, each of which tells the score of a null model made of the others
 FAR = 6.0  # medians of a residual beyond which it says nothing of the usual size
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 
@@ -42,17 +42,17 @@ class Usual:
     sd: Values
 
 
-def floor_of_record(
+def null_model_of_record(
     model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int
-) -> tuple[Record, Floor, Usual]:
-    """Return a record with what its filter expects, and its noise floor: that of ``runs`` runs of the model from
+) -> tuple[Record, NullModel, Usual]:
+    """Return a record with what its filter expects, and its null model: that of ``runs`` runs of the model from
     ``seed`` on, driven as the record's system was.  Raises ``GapError`` if no run comes to its end.
     """
     record = _expecting(quiet, with_switches(quiet, record, _filter(record)))
     filter = _filter(record)
     found = offsets(quiet, record, logs=usual_runs(model, record, runs, seed))  # nothing where the log has nothing
-    floor = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
-    return record, floor, _usual(floor, found)
+    null_model = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
+    return record, null_model, _usual(null_model, found)
 
 
 def _expecting(quiet: Diagram, record: Record) -> Record:
@@ -63,8 +63,8 @@ def _expecting(quiet: Diagram, record: Record) -> Record:
     return replace(record, filter=replace(filter, expected=np.where(behind[:, None], left, 0.0)))
 
 
-def _shape(found: Values, settling: float, judged: list[bool]) -> Floor:
-    """Return the floor of residuals of runs without a gap, (runs, rows, signals).
+def _shape(found: Values, settling: float, judged: list[bool]) -> NullModel:
+    """Return the null model of residuals of runs without a gap, (runs, rows, signals).
 
     Its scores are those of runs that it is not made of: a record is as new to it as they are.
     """
@@ -74,25 +74,25 @@ def _shape(found: Values, settling: float, judged: list[bool]) -> Floor:
         others = found[folds != fold]
         bound = FAR * np.nanmedian(np.abs(others), axis=(0, 1))  # rows right behind a jump set no scale
         bound[judged] = np.inf
-        floor = floor_of(np.clip(others, -bound, bound), settling, judged, True)
-        e = floor.innovations(found[folds == fold])
+        null_model = null_model_of(np.clip(others, -bound, bound), settling, judged, True)
+        e = null_model.innovations(found[folds == fold])
         scores.append(scored(e) / np.isfinite(e).mean(axis=(1, 2)))  # of all rows, logged or not
     whole = np.concatenate(scores)
-    return replace(floor, scores=np.sort(whole[np.isfinite(whole)]))
+    return replace(null_model, scores=np.sort(whole[np.isfinite(whole)]))
 
 
-def _usual(floor: Floor, found: Values) -> Usual:
+def _usual(null_model: NullModel, found: Values) -> Usual:
     """Return what single signals leave, of residuals of runs without a gap, (runs, rows, signals)."""
-    r = residuals(found, floor.changes)[:, floor.skipped :]
+    r = residuals(found, null_model.changes)[:, null_model.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)
     return Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))
 
 
-def suspected(quiet: Diagram, record: Record, floor: Floor, usual: Usual) -> Record:
-    """Return a record with the blocks of the segments whose own residuals exceed their noise floor."""
+def suspected(quiet: Diagram, record: Record, null_model: NullModel, usual: Usual) -> Record:
+    """Return a record with the blocks of the segments whose own residuals exceed their null model."""
     parts = _filter(record).parts
-    r = residuals(_filter(record).residuals(quiet, record, None, None)[0], floor.changes)[floor.skipped :]
+    r = residuals(_filter(record).residuals(quiet, record, None, None)[0], null_model.changes)[null_model.skipped :]
     loss = losses(r / usual.unit).mean(axis=0)
     left = {s for s, far in zip(record.pinned, loss > usual.mean + SIGMAS * usual.sd, strict=True) if far}
     found = {name for s in left & set(parts.judged) for name in ancestors(quiet, [s], set(record.log.names))}

@@ -8,7 +8,6 @@ from stickslip.diagram import ensemble, simulate, wire
 from stickslip.engine.run import Settings
 from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.floors.floor import undisturbed
 from stickslip.gap.likelihood.left import judged_by_loss
 from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.linearised.behind import NOTHING, Behind, behind
@@ -16,6 +15,7 @@ from stickslip.gap.linearised.driving import driven
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.instants import with_switches
 from stickslip.gap.linearised.observer import observer
+from stickslip.gap.null_model.null_model import undisturbed
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.record import switch_rows
 from stickslip.logs import Log

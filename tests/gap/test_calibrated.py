@@ -6,7 +6,7 @@ import pytest
 from stickslip.cases.models import ideal_flow
 from stickslip.gap import calibrated, diagnose
 from stickslip.gap.answers.evidence import Evidence
-from stickslip.gap.answers.sureness import Sureness, counted
+from stickslip.gap.answers.hit_rates import HitRates, counted
 from stickslip.gap.calibrating.calibration import Calibration, folder
 from stickslip.gap.effects import effect
 
@@ -46,17 +46,17 @@ def test_a_stopped_calibration_goes_on(found, log):
 
 def test_a_diagnosis_states_the_shares_that_were_counted(found, log):
     report = diagnose(ideal_flow(), log, catalogue=FEW, progress=False)
-    assert report.causes[0].probability == pytest.approx(found.sureness.probability(report.evidence))
+    assert report.causes[0].probability == pytest.approx(found.hit_rates.probability(report.evidence))
     assert any("8 runs of this model" in note for note in report.notes)
 
 
 def test_no_number_of_runs_makes_a_probability_of_one():
     # analytic: a Beta prior of A runs leaves 1 - A (1 - p_0)/(n + A)
     clear = Evidence("pair", 1e4)
-    sure = Sureness({"pair": (1000, 1000)}, 1000)
+    sure = HitRates({"pair": (1000, 1000)}, 1000)
     assert 0.995 < sure.probability(clear) < 1.0
-    assert Sureness({"pair": (5, 10)}, 10).probability(clear) < 0.8
-    assert "not in runs of this model" in str(Sureness())
+    assert HitRates({"pair": (5, 10)}, 10).probability(clear) < 0.8
+    assert "not in runs of this model" in str(HitRates())
 
 
 def test_rows_without_a_gap_are_not_counted_as_names():

@@ -9,7 +9,7 @@ from stickslip.gap import diagnose
 from stickslip.gap.answers.report import Size
 from stickslip.gap.effects import effect
 from stickslip.gap.records.model import read
-from stickslip.gap.telling.creep import about_creep, coarse, creeps, least_sizes
+from stickslip.gap.reporting.creep import about_creep, coarse, creeps, least_sizes
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record

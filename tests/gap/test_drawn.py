@@ -36,7 +36,7 @@ def blind(m, u, every, Y, r, count, seed):
         P = A @ (P - np.outer(gain, v[:n] @ P)) @ A.T + m.Q
     at_row = before[0]
     z = np.repeat(m.start[:, None], count, axis=1)
-    x = np.linspace(-1.0, 1.0, count) * 0.45 * (S + J) + m.told[:n] @ m.start + m.told[n] * m.start[m.last[0]]
+    x = np.linspace(-1.0, 1.0, count) * 0.45 * (S + J) + m.command[:n] @ m.start + m.command[n] * m.start[m.last[0]]
     lost = []
     for k in range(ROWS * every):
         OP = v[:n] @ z + v[n + 2 :] @ u[k]
@@ -57,7 +57,7 @@ def blind(m, u, every, Y, r, count, seed):
         OP, wide = v[:n] @ z + v[n + 2 :] @ u[k], v[:n] @ P @ v[:n]
         more = np.sqrt(wide) * rng.normal(size=count)
         z, P = z + np.outer(P @ v[:n] / wide, more), P - np.outer(P @ v[:n], v[:n] @ P) / wide
-        told = m.told[:n] @ z + m.told[n] * (OP + more)
+        told = m.command[:n] @ z + m.command[n] * (OP + more)
         way = told - x
         x = np.where(np.abs(way) > 0.5 * (S + J), told - np.sign(way) * 0.5 * (S - J), x)
         z = F[:, :n] @ z + np.outer(F[:, n], OP + more) + np.outer(F[:, n + 1], x) + (F[:, n + 2 :] @ u[k])[:, None]

@@ -9,7 +9,6 @@ from stickslip.cases.plant_models import LOGGED_SECTION
 from stickslip.diagram import simulate
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
-from stickslip.gap.floors.floor import Floor
 from stickslip.gap.likelihood.fit import unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.left import judged_by_loss
@@ -17,6 +16,7 @@ from stickslip.gap.likelihood.replay import Replays
 from stickslip.gap.linearised.between import jumps
 from stickslip.gap.linearised.filtered import filter_of
 from stickslip.gap.linearised.parts import parts
+from stickslip.gap.null_model.null_model import NullModel
 from stickslip.gap.records.given import Given
 from stickslip.gap.records.model import read, silenced
 
@@ -54,9 +54,11 @@ def test_a_large_diagram_alarms_at_three_and_a_half_standard_deviations_of_its_r
     found = filter_of(model, quiet, record)
     rows, signals = len(record.log) - 20, len(found.pinned)
     scores = 4000.0 + spread * np.array([-1.0, 0.0, 1.0])
-    floor = Floor(np.zeros(signals, dtype=bool), np.zeros((0, signals, signals)), np.eye(signals), 20, scores, rows)
+    null_model = NullModel(
+        np.zeros(signals, dtype=bool), np.zeros((0, signals, signals)), np.eye(signals), 20, scores, rows
+    )
     for kind, limit in ((found, 3.5), (record, 4.5)):
-        one = Hypothesis(Replays(Given(model), replace(kind, pinned=found.pinned), floor=floor))
+        one = Hypothesis(Replays(Given(model), replace(kind, pinned=found.pinned), null_model=null_model))
         e = np.where(np.arange(len(record.log))[:, None] < 20, np.nan, 0.0) * np.ones(signals)
         as_usual = unfitted(Innovations(one, {}, e, np.ones_like(e), None, np.zeros(len(e), bool), np.zeros((0, 0))))
         verdict = judged_by_loss(as_usual)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stickslip.gap.fits.loads import trimmed
-from stickslip.gap.floors.floor import losses
+from stickslip.gap.null_model.null_model import losses
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 

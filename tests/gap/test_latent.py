@@ -8,7 +8,7 @@ from stickslip.diagram import simulate
 from stickslip.gap import GapError, diagnose, latent_input
 from stickslip.gap.answers.report import GapReport, Where
 from stickslip.gap.effects import effect
-from stickslip.gap.telling.latent import _deconvolved
+from stickslip.gap.reporting.latent import _deconvolved
 from stickslip.logs import Log
 
 

@@ -11,7 +11,6 @@ from stickslip.diagram import Diagram
 from stickslip.gap import diagnose
 from stickslip.gap.effects import effect
 from stickslip.gap.fits.digits import coarse, straightened
-from stickslip.gap.floors.floor import without_gap as runs_of
 from stickslip.gap.likelihood.candidates import Candidate
 from stickslip.gap.likelihood.diagnosing import outcome
 from stickslip.gap.likelihood.fit import Fit, refined
@@ -21,6 +20,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import fitted, model_alone
 from stickslip.gap.likelihood.settling import settled
 from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.null_model.null_model import without_gap as runs_of
 from stickslip.gap.records.model import read
 from stickslip.logs import Log
 

@@ -6,7 +6,7 @@ from stickslip.blocks import PI, FirstOrder, IdealValve, QuasiStaticStem, Sample
 from stickslip.diagram import simulate, wire
 from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.floors.floor import FORETOLD, MECHANICAL
+from stickslip.gap.null_model.null_model import FORETOLD, MECHANICAL
 from stickslip.logs import Log
 
 F_S, F_C, SPRING = 2250.0, 1250.0, 52500.0  # [N], [N], [N/travel]: StickSlip's own
@@ -91,13 +91,17 @@ def test_nor_has_that_of_a_continuous_loop(signals):
 
 def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
     log = log_of(IdealValve(), signals=["MV"])
-    floor = held_against(loop(IdealValve()), log).floor
+    null_model = held_against(loop(IdealValve()), log).null_model
     stem, driven = MECHANICAL * np.ptp(log["MV"]), FORETOLD * np.ptp(log["PV"])
-    assert floor.L.diagonal()[1:] == pytest.approx([stem, driven], rel=0.42)  # to the nearest power of two: sqrt(2)
-    assert floor.L[0, 0] < 1e-6 * np.ptp(log["OP"])  # a controller is known to the last digit
+    assert null_model.L.diagonal()[1:] == pytest.approx(
+        [stem, driven], rel=0.42
+    )  # to the nearest power of two: sqrt(2)
+    assert null_model.L[0, 0] < 1e-6 * np.ptp(log["OP"])  # a controller is known to the last digit
 
 
 def test_a_model_with_little_noise_is_judged_by_that():
     log = log_of(IdealValve(), noise=0.0002)
-    floor = held_against(loop(IdealValve(), noise=0.0002), log).floor
-    assert floor.L[1, 1] == pytest.approx(0.0002, rel=0.05)  # analytic: the model's own noise, not what friction blurs
+    null_model = held_against(loop(IdealValve(), noise=0.0002), log).null_model
+    assert null_model.L[1, 1] == pytest.approx(
+        0.0002, rel=0.05
+    )  # analytic: the model's own noise, not what friction blurs

@@ -10,7 +10,7 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.likelihood.stems import _range
 from stickslip.gap.records.model import nuisances, smoothed
-from stickslip.gap.telling.segment import abnormal_segment
+from stickslip.gap.reporting.segment import abnormal_segment
 from stickslip.logs import Log
 
 SD, STEP, SCAN = 0.05, 0.1, 4.0  # of the sensor, and of the controller [s]

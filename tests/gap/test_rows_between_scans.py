@@ -57,8 +57,8 @@ def test_nor_has_one_whose_noise_is_a_block_of_its_own(every, seed):
 def test_what_noise_adds_to_an_output_between_rows_is_all_that_is_left_of_it():
     # analytic: the scan between two rows adds K_p/T_i x 1 s x noise to OP, and the one at the row nothing unknown
     model = scanned_flow(1.5)
-    floor = held_against(model, record(model, 2.0, 1)).floor
-    assert floor.L[0, 0] == pytest.approx(0.4 / 10.0 * NOISE, rel=0.05)
+    null_model = held_against(model, record(model, 2.0, 1)).null_model
+    assert null_model.L[0, 0] == pytest.approx(0.4 / 10.0 * NOISE, rel=0.05)
 
 
 def test_only_white_noise_of_a_sensor_is_drawn_anew():

@@ -13,7 +13,7 @@ from stickslip.gap.likelihood.framing import frame_of, when_switched
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.logged_stem import logged_stem
 from stickslip.gap.records.model import read
-from stickslip.gap.telling.sizes import shrinkage_of_losses
+from stickslip.gap.reporting.sizes import shrinkage_of_losses
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
@@ -115,9 +115,9 @@ def test_a_calibration_counts_answers_of_the_filter_and_a_diagnosis_states_them(
     found = calibrated(site_flow(), log, catalogue=few, runs=1, progress=False)
     assert found.confusion["none"] == {"none": 5}
     assert set(found.confusion) == {"none", "second_lag", "controller_gain"}
-    assert set(found.sureness.own) <= {"digits", "white", "pair", "unknown"}
+    assert set(found.hit_rates.own) <= {"digits", "white", "pair", "unknown"}
     report = diagnose(site_flow(), log, catalogue=few)
-    assert report.causes[0].probability == found.sureness.probability(report.evidence)
+    assert report.causes[0].probability == found.hit_rates.probability(report.evidence)
     assert "in 7 runs of this model" in report.notes[-1]
 
 

@@ -6,13 +6,13 @@ from stickslip.cases.models import ideal_flow
 from stickslip.diagram import ensemble
 from stickslip.gap.diagnosis import diagnose, held_against
 from stickslip.gap.effects import effect
-from stickslip.gap.floors.floor import MECHANICAL
-from stickslip.gap.floors.modes import CHARGE
 from stickslip.gap.likelihood.fit import unfitted
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.left import judged_by_loss, left, nearly_all
 from stickslip.gap.likelihood.replayed_stems import replayed_stem
 from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.null_model.modes import CHARGE
+from stickslip.gap.null_model.null_model import MECHANICAL
 from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
@@ -50,8 +50,8 @@ def test_a_logged_stem_leaves_nothing_once_what_moves_it_is_right(recorded, name
     right, null = told(logged(recorded, name, ["OP", "PV", "MV"], **values), name, **values)
     frame = null.hypothesis.frame
     k = frame.record.pinned.index("MV")
-    assert not frame.floor.coloured and frame.floor.changes[k]
-    assert frame.floor.L[k, k] == MECHANICAL  # of a travel of 1: without a gap MV is OP to the last digit
+    assert not frame.null_model.coloured and frame.null_model.changes[k]
+    assert frame.null_model.L[k, k] == MECHANICAL  # of a travel of 1: without a gap MV is OP to the last digit
     assert judged_by_loss(null).unusual and not judged_by_loss(right, null).unusual
 
 

@@ -3,7 +3,7 @@
 import pytest
 from stickslip.cases.models import ideal_flow, level_cascade
 from stickslip.gap.effects import effect
-from stickslip.gap.telling.structure import by_wiring, felt, structure
+from stickslip.gap.reporting.structure import by_wiring, felt, structure
 
 CASCADE = {"SP_L", "L", "SP", "PV", "OP"}
 SHOWN = [

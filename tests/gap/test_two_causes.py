@@ -8,7 +8,7 @@ from stickslip.cases.models import site_flow
 from stickslip.gap import diagnose
 from stickslip.gap.effects import CATALOGUE, effect
 from stickslip.gap.records.given import Given
-from stickslip.gap.telling.causes import named_cause, said_of
+from stickslip.gap.reporting.causes import named_cause, said_of
 
 from tests.gap.outside_loops import site_log
 from tests.gap.root_tank import logged, tank

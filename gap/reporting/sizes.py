@@ -2,7 +2,7 @@
 
 import numpy as np
 from stickslip.gap.answers.report import Shrinkage
-from stickslip.gap.floors.floor import losses
+from stickslip.gap.null_model.null_model import losses
 from stickslip.logs.arrays import Values
 
 SEEN = 0.625  # share of the rows on which effects are fitted again to be judged on the rest

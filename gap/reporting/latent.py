@@ -20,7 +20,7 @@ from stickslip.gap.answers.report import GapReport
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.record import GapError, Record
 from stickslip.gap.records.start import start_values
-from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
+from stickslip.gap.reporting.driven import driven_to, filled, most_amiss, segment_at
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values
 from stickslip.logs.normal import spread
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 GROUPS = 24  # of rows, by which shares are told
 RATIOS = np.logspace(-8.0, 4.0, 49)  # of the step of d to the noise, as squares, times the largest |G|^2
 PULSE = 0.02  # of the range of u, for one row
-TOLD = 0.1  # least share that is put in words
+LEAST_SHARE = 0.1  # least share that is put in words
 TURN = 6.0  # standard deviations of the noise of u by which it has turned
 SETTLED = 0.02  # of its largest value, below which a response is over
 LASTING = 0.25  # of a record: a response as long is that of an integral
@@ -63,7 +63,7 @@ class LatentInput(Shown):
         share = 100.0 * self.shares[best]
         goes = (
             f"{share:.0f} % of the variance of this change goes with {best}"
-            if self.shares[best] >= TOLD
+            if self.shares[best] >= LEAST_SHARE
             else "this change goes with no level, rate or direction of a logged signal, nor with time"
         )
         return (
@@ -73,7 +73,7 @@ class LatentInput(Shown):
 
     def plot(self) -> "Figure":
         """Draw the latent input against each of these: rows, and their means by groups."""
-        from stickslip.gap.telling.figures import plot_latent
+        from stickslip.gap.reporting.figures import plot_latent
 
         return plot_latent(self)
 
@@ -163,8 +163,8 @@ def _deconvolved(y: Values, g: Values, integral: bool) -> Values:
     r = min(RATIOS / float(gain.max()), key=loss)
     spread = r * gain + noise * step
     # an output that does not answer a lasting input does not tell its mean, and none is needed
-    told = np.divide(r * np.conj(G) * Y, spread, out=np.zeros_like(Y), where=spread > 0.0)
-    return np.asarray(np.fft.irfft(told, size)[:n])
+    spectrum = np.divide(r * np.conj(G) * Y, spread, out=np.zeros_like(Y), where=spread > 0.0)
+    return np.asarray(np.fft.irfft(spectrum, size)[:n])
 
 
 def _direction(values: Values) -> Values:

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.answers.hit_rates import OUTSIDE, HitRates
 from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from stickslip.gap.answers.sureness import OUTSIDE, Sureness
 from stickslip.gap.insertion.effect import Effect
 from stickslip.gap.likelihood.explained import Outcome, needed
 from stickslip.gap.likelihood.fit import Fit
@@ -22,11 +22,11 @@ from stickslip.gap.likelihood.swapping import swapped
 from stickslip.gap.likelihood.unmeasured import said_of_rival
 from stickslip.gap.records.given import sizes
 from stickslip.gap.records.record import rounding
-from stickslip.gap.telling.causes import named_cause, said_of
-from stickslip.gap.telling.creep import about_creep, creeps, least_sizes
-from stickslip.gap.telling.nuisances import stated_wrongly
-from stickslip.gap.telling.segment import abnormal_segment
-from stickslip.gap.telling.structure import by_wiring
+from stickslip.gap.reporting.causes import named_cause, said_of
+from stickslip.gap.reporting.creep import about_creep, creeps, least_sizes
+from stickslip.gap.reporting.nuisances import stated_wrongly
+from stickslip.gap.reporting.segment import abnormal_segment
+from stickslip.gap.reporting.structure import by_wiring
 
 LISTED = 12  # explanations in the ranking
 MOST_SAID = 1000  # standard deviations
@@ -34,7 +34,7 @@ SEVERAL = 0.99  # of the interval between two rows: scans that follow sooner are
 LEAST_DOUBT = 0.1  # of the limit: what leaves less than runs leave on average is not certain either
 
 
-def told(o: Outcome, limits: bool = True, seed: int = 0, counted: Sureness | None = None) -> GapReport:
+def report_for(o: Outcome, limits: bool = True, seed: int = 0, counted: HitRates | None = None) -> GapReport:
     """Return the report of an outcome; ``limits``: whether it says, without a gap, what would have shown; ``counted``
     how often such answers were right in runs of this model, if any were made.
     """
@@ -72,7 +72,7 @@ def _as_found(o: Outcome, limits: bool, seed: int) -> GapReport:
                 f"No gap of relevance: {near.hypothesis} would explain the log best, but it "
                 f"moves no signal by more than {o.share:.2g} of its movement; less than {relevant:g} is no gap."
             ]
-        would = hidden(o.null, o.looked, needed(o.looked), seed + 1) if limits else []
+        would = hidden(o.null, o.candidates, needed(o.candidates), seed + 1) if limits else []
         if would:
             words.append(
                 "Possible all the same, since smaller ones do not show in this record; what would have shown, as runs "
@@ -108,7 +108,7 @@ def _named(o: Outcome) -> GapReport:
         assert o.best is not None
         words.append(_how_well(o, best))
     if o.textured:
-        sure = Sureness().probability(Evidence("digits", o.null.nll - best.nll))
+        sure = HitRates().probability(Evidence("digits", o.null.nll - best.nll))
     else:
         shares = _posterior(o, o.fits)
         sure = float((1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named))
@@ -274,6 +274,6 @@ def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
 
 def _way(frame: Replays) -> str:
     """Return in a sentence what the residuals of a replay are."""
-    if frame.floor.coloured:
+    if frame.null_model.coloured:
         return "Residuals of a pinned replay, less what earlier ones foretell: loads are not measured."
     return "Residuals of a pinned replay: with the stated noise they are white."

@@ -36,7 +36,7 @@ RECALLED = 0.9  # share of effects outside the catalogue that are called unknown
 
 
 @dataclass(frozen=True)
-class Sureness:
+class HitRates:
     """How often answers of each kind were right in ``runs`` runs of one's own: kind -> (right, of)."""
 
     own: Mapping[str, tuple[int, int]] = field(default_factory=dict)

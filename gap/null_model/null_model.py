@@ -5,7 +5,7 @@
     F   = sum over rows and signals of (nu + 1)/2 ln(1 + (e/c)^2/nu)                    (Student's t, nu = 4)
 
 Runs of the model with its own nuisances, with the record's set points, rows and rounding, give A_j and L, and how large
-F is without a gap.  The logarithm counts how many residuals are at the floor: a slip that is missed costs little.
+F is without a gap.  The logarithm counts how many residuals are as without a gap: a slip that is missed costs little.
 
 Where loads are not measured the residuals are coloured, and the A_j make of them what a Kalman filter of the same model
 would give; where sensor noise and rounding are all there is, no A_j is needed and none is used.
@@ -47,7 +47,7 @@ SILENT = 3.0  # of the least scale of a signal: what a model without noise leave
 
 
 @dataclass(frozen=True, eq=False)
-class Floor:
+class NullModel:
     """Residuals without a gap.
 
     ``changes`` (signals,) whether the change of an offset is the residual; ``A`` (order, signals, signals); ``L``
@@ -193,14 +193,14 @@ def settling_rows(model: Diagram, record: Record) -> float:
     return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
 
 
-def floor_of(
+def null_model_of(
     found: Values,
     settling: float = 0.0,
     integrating: Sequence[bool] = (),
     steady: bool = False,
     least: Sequence[float] = (),
-) -> Floor:
-    """Return the noise floor of the offsets of runs without a gap, (runs, rows, signals).
+) -> NullModel:
+    """Return the null model of the offsets of runs without a gap, (runs, rows, signals).
 
     ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level;
     ``least`` scale of each signal's residuals [its unit], where a model is sharper than its plant can be.
@@ -212,7 +212,7 @@ def floor_of(
     r = residuals(found, changes)[:, skipped:]
     A, L = _predictor(r, np.array(least or [SMALLEST] * found.shape[-1]))
     scores = np.sort(scored(whitened(r, A, L)))
-    return Floor(changes, A, L, skipped, scores, r.shape[1])
+    return NullModel(changes, A, L, skipped, scores, r.shape[1])
 
 
 def _drifting(found: Values) -> NDArray[np.bool_]:
@@ -261,8 +261,8 @@ def usual_runs(model: Diagram, record: Record, runs: int, seed: int) -> list[Log
     return logs
 
 
-def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
-    """Return the noise floor of a model for records like this one, and the logs of the runs that gave it."""
+def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[NullModel, list[Log]]:
+    """Return the null model of a diagram for records like this one, and the logs of the runs that gave it."""
     logs = usual_runs(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
     # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their
@@ -274,7 +274,7 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
         max(sharp, foretold(model, record, s)) if own <= SILENT * sharp else sharp
         for s, sharp, own in zip(record.pinned, least, left.tolist(), strict=True)
     ]
-    return floor_of(found, settling_rows(model, record), integrating, least=least), logs
+    return null_model_of(found, settling_rows(model, record), integrating, least=least), logs
 
 
 def sharpest(model: Diagram, record: Record, signal: str) -> float:
@@ -303,6 +303,6 @@ def foretold(model: Diagram, record: Record, signal: str) -> float:
 
 
 def _ranged(known: Values) -> float:
-    """Return how far a signal ranges as the nearest power of two: records alike have one floor."""
+    """Return how far a signal ranges as the nearest power of two: records alike have one null model."""
     far = float(np.ptp(known))
     return 2.0 ** round(math.log2(far)) if far > 0.0 else 0.0

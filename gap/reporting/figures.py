@@ -12,8 +12,8 @@ from stickslip.logs.trend import finish_panel
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from stickslip.gap.telling.latent import LatentInput
-    from stickslip.gap.telling.replayed import Replayed
+    from stickslip.gap.reporting.latent import LatentInput
+    from stickslip.gap.reporting.replayed import Replayed
 
 GROUPS = 30  # of a panel
 DOTS = 3000  # of a panel

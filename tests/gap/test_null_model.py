@@ -6,10 +6,10 @@ from stickslip.blocks import Equations, SampledSensor
 from stickslip.cases.models import ideal_flow, site_flow
 from stickslip.diagram import wire
 from stickslip.gap.diagnosis import held_against
-from stickslip.gap.floors.floor import UNIT, floor_of, losses, measured, residuals, skipped_rows
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.left import judged_by_loss
 from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.null_model.null_model import UNIT, losses, measured, null_model_of, residuals, skipped_rows
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.record import GapError
 from stickslip.logs import Log
@@ -18,10 +18,10 @@ from stickslip.logs import Log
 def test_residuals_of_the_right_model_are_the_sensors_noise(recorded):
     null = model_alone(held_against(ideal_flow(), recorded(seed=3)))
     frame = null.hypothesis.frame
-    assert frame.record.pinned == ("OP", "PV") and frame.floor.changes.tolist() == [True, False]
+    assert frame.record.pinned == ("OP", "PV") and frame.null_model.changes.tolist() == [True, False]
     assert np.nanstd(null.best.e, axis=0) == pytest.approx([1.0, 1.0], abs=0.1)  # analytic: unit variance
-    assert not judged_by_loss(null).unusual and not frame.floor.coloured
-    assert frame.floor.L[1, 1] == pytest.approx(0.004, rel=0.05)  # analytic: the model's own noise
+    assert not judged_by_loss(null).unusual and not frame.null_model.coloured
+    assert frame.null_model.L[1, 1] == pytest.approx(0.004, rel=0.05)  # analytic: the model's own noise
 
 
 def test_coloured_residuals_are_whitened():
@@ -30,16 +30,18 @@ def test_coloured_residuals_are_whitened():
     load = np.zeros((runs, rows))
     for k in range(1, rows):
         load[:, k] = a * load[:, k - 1] + rng.normal(size=runs)
-    floor = floor_of(load[:, :, None])
-    e = floor.innovations(load[:, :, None])[..., 0]
-    assert floor.coloured and floor.A[0, 0, 0] == pytest.approx(a, abs=0.02)  # analytic: a first-order autoregression
+    null_model = null_model_of(load[:, :, None])
+    e = null_model.innovations(load[:, :, None])[..., 0]
+    assert null_model.coloured and null_model.A[0, 0, 0] == pytest.approx(
+        a, abs=0.02
+    )  # analytic: a first-order autoregression
     assert e.std() == pytest.approx(1.0, abs=0.02)
     assert abs(np.corrcoef(e[:, 1:].ravel(), e[:, :-1].ravel())[0, 1]) < 0.02
 
 
 def test_a_level_that_wanders_is_differenced():
     walk = np.cumsum(np.random.default_rng(0).normal(size=(12, 3000, 1)), axis=1)
-    assert floor_of(walk).changes.tolist() == [True]
+    assert null_model_of(walk).changes.tolist() == [True]
     moved = residuals(walk, np.array([True]))
     assert np.isnan(moved[:, 0]).all() and np.allclose(moved[:, 1:], np.diff(walk, axis=1))
 

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from stickslip.blocks.block import Block
 from stickslip.diagram.branches import Branches
 from stickslip.diagram.diagram import Diagram
-from stickslip.gap.floors.floor import Floor
+from stickslip.gap.null_model.null_model import NullModel
 from stickslip.gap.records.record import Record
 
-BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
+BEYOND = 20.0  # of its scale without a gap, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
 LATEST, OF_LAG = 3, 2  # rows by which a mode that is wrong may show late, at most, and behind a lag
 PATIENCE = 4  # rows that go by, at most, where no mode has helped before (branches)
@@ -39,7 +39,11 @@ def sticking(block: Block) -> bool:
 
 
 def branches_of(
-    diagram: Diagram, model: Diagram, record: Record, floor: Floor, params: Mapping[str, ArrayLike] | None = None
+    diagram: Diagram,
+    model: Diagram,
+    record: Record,
+    null_model: NullModel,
+    params: Mapping[str, ArrayLike] | None = None,
 ) -> Branches | None:
     """Return when to try other modes of the stem that an effect has put into a diagram; None if there is none.
 
@@ -48,10 +52,10 @@ def branches_of(
     """
     known = {block.name for block in model.blocks}
     stems = [block.name for block in diagram.blocks if block.name not in known and sticking(block)]
-    if not stems or floor.coloured or record.filter is not None:
+    if not stems or null_model.coloured or record.filter is not None:
         return None
-    scale = dict(zip(record.pinned, floor.L.diagonal().tolist(), strict=True))
-    changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
+    scale = dict(zip(record.pinned, null_model.L.diagonal().tolist(), strict=True))
+    changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, null_model.changes, strict=True) if yes}
     stem = {str(s) for s in diagram[stems[0]].output_labels}
     if not stem & set(scale) and all(limit > COARSE * float(np.ptp(record.known(s))) for s, limit in changes.items()):
         levels = {s: LEVEL * scale[s] for s in record.pinned if s not in changes}

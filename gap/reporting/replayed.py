@@ -15,7 +15,7 @@ from stickslip.gap.insertion.effect import EffectError
 from stickslip.gap.records.model import read, silenced
 from stickslip.gap.records.record import GapError, Record
 from stickslip.gap.records.start import start_values
-from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
+from stickslip.gap.reporting.driven import driven_to, filled, most_amiss, segment_at
 from stickslip.logs import Log
 from stickslip.logs.arrays import Values
 from stickslip.logs.shown import Shown
@@ -62,7 +62,7 @@ class Replayed(Shown):
 
     def plot(self) -> "Figure":
         """Draw the log against the model, as it is and with the cause, and how far the gap shrinks."""
-        from stickslip.gap.telling.figures import plot_replayed
+        from stickslip.gap.reporting.figures import plot_replayed
 
         return plot_replayed(self)
 
