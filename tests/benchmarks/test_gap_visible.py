@@ -100,7 +100,7 @@ def test_a_class_is_of_the_record_not_of_the_answer(monkeypatch):
     made = record("cascade", ["dead_time"], seed=7700, hours=0.5)  # 0.7 s in a loop that is logged every 5 s
     apart, nats = cache(partial(nats_apart, made)), nats_shown(made)  # two answers are traced, and the class is asked
     monkeypatch.setattr(oracle, "nats_apart", lambda _, other: apart(other))
-    monkeypatch.setattr(oracle, "told", lambda _: nats)
+    monkeypatch.setattr(oracle, "nats_shown", lambda _: nats)
     assert alike_here(made, ("dead_time", "positioner_lag", "controller_gain")) == ("dead_time", "positioner_lag")
     row = {"cause": False, "place": False, "places": ["process", "valve"], "sets": [["dead_time", "positioner_lag"]]}
     found = traced(made, row)
