@@ -19,7 +19,7 @@ from stickslip.blocks.role import Role
 from stickslip.diagram import wire
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.effect import NOMINAL, Parameter, above
-from stickslip.gap.insertion.inserted import Inserted, percent_out
+from stickslip.gap.insertion.inserted import Inserted, known_travel, percent_out
 
 
 def flow_at(x: float, R: float) -> float:
@@ -47,6 +47,10 @@ class ValveCharacteristic(Inserted):
     )  # fmt: skip
     where = "after"
     level = "flow"
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether the full flow is known, of which the law makes shares."""
+        return super().fits(diagram, block) and known_travel(diagram, block)
 
     def made(self, diagram: Diagram, place: str) -> Diagram | Block:
         """Return the law, between the factors that make shares of the span of its signals."""

@@ -9,7 +9,7 @@ from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.effects.recycle_leak import RecycleLeak
 from stickslip.gap.insertion.effect import Parameter, not_below
-from stickslip.gap.insertion.inserted import Inserted, percent_out
+from stickslip.gap.insertion.inserted import Inserted, known_travel, percent_out
 from stickslip.gap.insertion.paths import given, users
 
 
@@ -28,7 +28,7 @@ class ValveLeak(Inserted):
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether something flows behind the stem, other than what ``recycle_leak`` is for."""
-        if not super().fits(diagram, block):
+        if not super().fits(diagram, block) or not known_travel(diagram, block):
             return False
         readers = users(diagram, given(diagram, block.name))
         return not any(RecycleLeak().fits(diagram, diagram[name]) for name in readers)

@@ -4,6 +4,7 @@ A stem sticks, lags and stops as it is wanted, so what it does comes before the 
 leak are of the flow, and come behind.  Where a valve gives its stem, or what is in proportion to it, both are the same.
 Half of a split range stands at its stop where the other half moves: what it gives is its stem.
 A block that has a lag and a law is asked at rest: its stem comes before both, so that it sticks by shares of OP.
+What a block gives that reads a pressure beside OP is a flow.
 """
 
 from functools import lru_cache
@@ -12,6 +13,7 @@ import numpy as np
 from stickslip.blocks.block import Block
 from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.paths import command, moved_by
 from stickslip.gap.insertion.scales import at_rest, ends
 
 POINTS = 5  # at which what a valve gives is held against a straight line
@@ -19,7 +21,7 @@ STRAIGHT = 1e-3  # of its range, that it may be off
 
 
 def gives_flow(diagram: Diagram, place: str) -> bool:
-    """Return whether a valve without memory bends what enters it, at rest, and stands nowhere.
+    """Return whether a valve reads more than OP, or without memory bends what enters it, at rest, and stands nowhere.
 
     >>> from stickslip.blocks import Equations, IdealValve
     >>> from stickslip.diagram import wire
@@ -30,8 +32,11 @@ def gives_flow(diagram: Diagram, place: str) -> bool:
     False
     """
     block = diagram[place]
-    plain = block.role is Role.VALVE and len(block.input_labels) == len(block.output_labels) == 1
-    if not plain or block.memory_names or block.sampled or block.kernels.n_events:
+    if block.role is not Role.VALVE or command(block) is None:
+        return False
+    if len(block.input_labels) > 1:
+        return True
+    if len(block.output_labels) > 1 or block.memory_names or block.sampled or block.kernels.n_events:
         return False
     low, high = ends(diagram, str(block.input_labels[0])) or (0.0, 1.0)
     return _bends(block, low, high)
@@ -65,4 +70,4 @@ def with_stem(diagram: Diagram, place: str, stem: Block, inputs: tuple[str, ...]
 def stem_signal(diagram: Diagram, place: str) -> str:
     """Return the signal at a valve, in a model without effects, that is the stem: what it gives, or what enters it."""
     block = diagram[place]
-    return str((block.input_labels if gives_flow(diagram, place) else block.output_labels)[0])
+    return str(command(block)) if gives_flow(diagram, place) else moved_by(block)

@@ -14,7 +14,7 @@ from stickslip.blocks.role import Role
 from stickslip.diagram.diagram import Diagram
 from stickslip.gap.insertion.bent_valve import stem_signal, with_stem
 from stickslip.gap.insertion.effect import Effect, known_first
-from stickslip.gap.insertion.paths import given, measured, users
+from stickslip.gap.insertion.paths import command, given, measured, users
 from stickslip.gap.insertion.scales import ends, span
 
 
@@ -36,7 +36,10 @@ class Inserted(Effect):
         """Return whether one signal goes in or out where the effect lies, and somebody uses it."""
         if self.where == "before":
             return self.enters(diagram, block) is not None
-        if len(block.output_labels) != 1 or (self.role is Role.VALVE and len(block.input_labels) != 1):
+        if self.role is Role.VALVE:
+            if command(block) is None or (len(block.output_labels) != 1 and block.loop_signal("MV") is None):
+                return False
+        elif len(block.output_labels) != 1:
             return False
         return self.where == "at" or bool(users(diagram, given(diagram, block.name)))
 
@@ -66,12 +69,17 @@ class Inserted(Effect):
 
 def percent_in(diagram: Diagram, place: str) -> float:
     """Return one percent of the span of what enters a valve, OP [its unit]."""
-    return span(diagram, str(diagram[place].input_labels[0])) / 100.0
+    return span(diagram, str(command(diagram[place]))) / 100.0
 
 
 def percent_of_stem(diagram: Diagram, place: str) -> float:
     """Return one percent of the travel of a valve's stem [unit of what it gives, or of OP where that is a flow]."""
     return _percent(diagram, place, stem_signal(diagram, place))
+
+
+def known_travel(diagram: Diagram, valve: Block) -> bool:
+    """Return whether the span of what a valve gives is known: stated, or that of the only signal that it reads."""
+    return len(valve.input_labels) == 1 or ends(diagram, given(diagram, valve.name)) is not None
 
 
 def percent_out(diagram: Diagram, place: str) -> float:

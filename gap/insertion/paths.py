@@ -21,12 +21,33 @@ def given(diagram: Diagram, place: str) -> str:
     >>> given(loop, "valve"), given(loop.insert("MV", QuasiStaticStem(name="valve:stiction")), "valve")
     ('MV', 'MV')
     """
-    signal = str(diagram[place].output_labels[0])
+    signal = moved_by(diagram[place])
     behind = next((b for b in diagram.blocks if signal in b.input_labels and b.name.startswith(f"{place}:")), None)
     while behind is not None and len(behind.output_labels) == 1:
         signal = str(behind.output_labels[0])
         behind = next((b for b in diagram.blocks if signal in b.input_labels and b.name.startswith(f"{place}:")), None)
     return signal
+
+
+def command(block: Block) -> str | None:
+    """Return the signal that a valve follows: the only one that enters it, or its OP; None if it is not clear.
+
+    >>> from stickslip.blocks import Equations
+    >>> law = Equations("valve", out=lambda OP, dP: OP * dP**0.5, inputs=["OP", "dP"], outputs="flow")
+    >>> command(law.with_role("valve", OP="OP", MV="flow"))
+    'OP'
+    """
+    if len(block.input_labels) == 1:
+        return str(block.input_labels[0])
+    signal, stem = block.loop_signal("OP"), block.loop_signal("MV")
+    entered = list(map(str, block.input_labels))
+    return signal if signal in entered and stem not in entered else None  # a positioner reads its stem
+
+
+def moved_by(block: Block) -> str:
+    """Return the signal that a block gives: of several that which plays MV, or the first."""
+    signal = block.loop_signal("MV") if block.role is Role.VALVE else None
+    return signal if signal in map(str, block.output_labels) and signal else str(block.output_labels[0])
 
 
 def users(diagram: Diagram, signal: str) -> tuple[str, ...]:
