@@ -8,7 +8,8 @@ the mode over, but not the noise, whose spread is in the gains already.  At a ro
 
 and the stretch before is run again with what the row says of the state and of the noise, so that the mode follows what
 was logged.  Rounding is undone by a number drawn for each particle.  Particles of little weight leave for copies of
-others.
+others.  At the start, and where they have missed a signal for long, none is known to have the right mode: every other
+one is put anywhere within reach.  One that has slipped stands a little elsewhere than its law says.
 Source: Rao-Blackwellised particle filter, Doucet, de Freitas, Murphy and Russell (UAI 2000); systematic resampling:
 Kitagawa, J. Computational and Graphical Statistics 5 (1996), appendix.
 """
@@ -22,18 +23,22 @@ from stickslip.engine.slopes import arrived
 from stickslip.logs.compiled import njit
 
 ALONE = 0.5  # share of the particles that have to count, or they are drawn anew
+MOVED = 0.1  # of the reach: a particle has slipped
+REPEATS = math.sqrt(3.0) * 0.02  # of the reach, to both sides: no friction repeats to the last digit
+LATELY, LOST = 0.1, 3.4  # share of a row in a running mean of squared innovations; that of one miss by 5 in it
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def banked(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, hidden, times, row_of, phi, sd, values, steps, gains, S, far, bar,
-    sure, z0, drawn, dither, shares, losses, e, stood, came,
+    sure, reach, z0, drawn, dither, shares, losses, e, stood, came,
 ):  # fmt: skip
     """Follow a bank of particles; write the ``losses`` of rows (rows,) [nats] and innovations ``e`` (rows, m).
 
     ``hidden`` (h,) where the hidden block keeps what it remembers; ``gains`` and ``S`` those of a filter that knows it
     (see ``extended``), whose variance of each row and signal is ``S``; ``steps`` (rows, m) of the log's rounding;
     ``far`` standard deviations beyond which a loss grows in proportion; ``bar`` and ``sure`` as ``extended`` has them;
+    ``reach`` to both sides within which a particle that has lost its way is put;
     ``drawn`` (k, particles, q) standard normal numbers, ``dither`` (rows, particles, m) and ``shares`` (rows,) uniform
     ones.
 
@@ -58,7 +63,8 @@ def banked(  # type: ignore[no-untyped-def]
     for i in range(n):
         for p in range(h):
             own[i] = own[i] or places[0, i] == hidden[p]
-    first, sum_of_losses = np.argmax(own), 0.0
+    first, sum_of_losses, missed, begins = np.argmax(own), 0.0, np.ones(m), True
+    stands = np.full(particles, z0[first])
     for k in range(len(times)):
         row = row_of[k]
         for j in range(particles):
@@ -135,6 +141,9 @@ def banked(  # type: ignore[no-untyped-def]
             theirs_at[j] = theirs[first]
             for p in range(h):
                 W[hidden[p]] = kept_mode[p]
+            if abs(theirs[first] - stands[j]) > MOVED * reach:
+                theirs[first] += REPEATS * reach * (2.0 * dither[row, j, 0] - 1.0)
+            stands[j] = theirs[first]
             for i in range(n):
                 if own[i]:
                     z[j, i] = theirs[i]
@@ -156,6 +165,7 @@ def banked(  # type: ignore[no-untyped-def]
         for j in range(particles):
             weight[j] /= total
             squares += weight[j] ** 2
+        lost = False
         for i in range(m):
             if S[row, i] == S[row, i]:
                 s = 0.0
@@ -163,6 +173,12 @@ def banked(  # type: ignore[no-untyped-def]
                     s += before[j] * off[j, i]
                 e[row, i] = s / math.sqrt(S[row, i])
                 losses[row] += 0.5 * math.log(S[row, i])
+                missed[i] += LATELY * (e[row, i] ** 2 - missed[i])
+                lost = lost or missed[i] > LOST
+        lost = (lost or begins) and reach > 0.0
+        if lost:
+            missed[:] = 1.0
+        begins = False
         if len(bar) > 0 and bar[row] == bar[row]:
             sum_of_losses += losses[row]
             for i in range(m):
@@ -170,7 +186,7 @@ def banked(  # type: ignore[no-untyped-def]
                     sum_of_losses += sure[i]
             if sum_of_losses > bar[row]:
                 return BEHIND
-        anew = 1.0 / squares < ALONE * particles
+        anew = lost or 1.0 / squares < ALONE * particles
         j, reached = 0, weight[0]
         for p in range(particles):
             if anew:
@@ -185,5 +201,8 @@ def banked(  # type: ignore[no-untyped-def]
             restore(noisy_I[p], noisy_W[p], next_I[j], next_W[j])
         for p in range(particles):
             write(ahead[p], z[p])
+            if lost and p % 2 == 1:
+                z[p, first] += reach * (2.0 * (p + shares[row]) / particles - 1.0)
+            stands[p] = z[p, first]
             weight[p] = 0.0 if anew else math.log(max(weight[p] * particles, 1e-300))
     return 0

@@ -1,11 +1,13 @@
 """Which remedy helps: each tried on the fitted loops, against doing nothing, and one recommended or none.
 
-    score = sd(SP - PV) / that of none + 0.05 travel / that of none        of each fitted loop, the median over all
+    score = rms(SP - PV) / that of none + 0.05 travel / that of none       of each fitted loop, the median over all
 
 Of the settings of a remedy the one with the least score stands for it.  Recommended is the remedy of least score of
-those that are allowed: it swings less than none in at least 90 % of the fitted loops, as wide as their intervals are,
-and its score is lower.  Until the shutdown these are settings and programs of the controller; at the shutdown, the
-valve too.
+those that are allowed: its rms is below that of none in at least 90 % of the fitted loops, as wide as their intervals
+are, and its score is lower.  A lasting offset counts in the rms: a loop that stands off SP is no loop that holds it.
+Until the shutdown these are settings and programs of the controller; at the shutdown, the valve too.  Of what is done
+to the valve a repair comes first where nothing else has an rms that is a twentieth less: a stem without stick travels
+with every noise, which wears it less than its packing did.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from stickslip.logs.shown import Shown
 from stickslip.remedy.loop_fit import LoopFit
 from stickslip.remedy.measures import REMEDIES
 from stickslip.remedy.measures.repair import FREE
+from stickslip.remedy.measures.repair import TITLE as REPAIR
 from stickslip.remedy.measures.setting import Situation
 from stickslip.remedy.size import Size, size_of, widened
 from stickslip.remedy.trial import NOTHING, UNSTABLE, Floats, Outcome, outcomes, settling
@@ -32,6 +35,8 @@ __all__ = ["Advice", "Cost", "Tried", "cost", "remedies", "score"]
 
 TRAVEL = 0.05  # weight of travel
 LONG = "longer than the run"
+OFF = 0.3  # of the rms, from which on an offset is said
+NEAR = 1.05  # times the least rms, within which a repair comes first
 SURE = 0.9  # share of the fitted loops, widened, that swing less
 
 
@@ -65,7 +70,7 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """One remedy with its best setting: ``score`` [-], ``better`` the share of loops (widened) that swing less.
+    """One remedy with its best setting: ``score`` [-], ``better`` the share of loops (widened) of a smaller rms.
 
     sp_time, load_time : settling of the tuning after a step of SP and of a load [s]; inf where longer than the run
     """
@@ -111,7 +116,7 @@ class Advice(Shown):
     @property
     def cost(self) -> Cost:
         """What it costs to leave the stick."""
-        free = next((one.outcome for one in self.tried if one.name == "valve repaired"), self.none.outcome)
+        free = next((one.outcome for one in self.tried if one.name == REPAIR), self.none.outcome)
         return Cost.between(self.none.outcome, free)
 
     @property
@@ -122,30 +127,35 @@ class Advice(Shown):
     def words(self) -> list[str]:
         """The recommendation in sentences."""
         if self.fit.doubt:
-            return [self.fit.doubt]
+            return ["Nothing is recommended, since it is not known whether the valve sticks.", self.fit.doubt]
         if not self.fit.sticks:
             return [
                 f"The valve shows no stick (S is below {self.fit.S.high:.3g} {self.fit.op_unit}): leave it as it is."
             ]
-        sd = float(np.median(self.none.outcome.pv_sd))
-        found = []
+        now, found = self.none.outcome, []
         for when, name in (("Until the shutdown", self.until_shutdown), ("At the shutdown", self.at_shutdown)):
             if name is None:
                 found.append(f"{when}: nothing that was tried helps for sure; leave the loop as it is.")
                 continue
             one = self[name]
-            share = size_of(100.0 * one.outcome.pv_sd / self.none.outcome.pv_sd)
-            caveat = f" Not where there is: {one.not_for}." if one.not_for else ""
+            then, share = one.outcome, size_of(100.0 * one.outcome.pv_rms / now.pv_rms)
+            rest = float(np.median(then.pv_offset))
+            stays = f" PV rests {rest:.2g} off SP on average." if rest > OFF * float(np.median(then.pv_rms)) else ""
+            caveat = f" Do not use it with: {one.not_for}." if one.not_for else ""
             found.append(
-                f"{when}: {name}, {one.settings}. The standard deviation of SP - PV goes from {sd:.3g} to "
-                f"{np.median(one.outcome.pv_sd):.3g} ({share.low:.0f} to {share.high:.0f} % of now), "
-                f"travel from {np.median(self.none.outcome.travel):.3g} to {np.median(one.outcome.travel):.3g} "
-                f"{self.fit.op_unit} an hour.{caveat}"
+                f"{when}: {name}, {one.settings}. The root mean square of SP - PV goes from {_middle(now.pv_rms)} to "
+                f"{_middle(then.pv_rms)} ({share.low:.0f} to {share.high:.0f} % of now), travel from "
+                f"{_middle(24.0 * now.travel)} to {_middle(24.0 * then.travel)} {self.fit.op_unit} a day."
+                f"{stays}{caveat}"
             )
-        harm = [one.name for one in self.tried if np.median(one.outcome.pv_sd) > 1.02 * sd]
+        harm = [one.name for one in self.tried if np.median(one.outcome.pv_rms) > 1.02 * np.median(now.pv_rms)]
         if harm:
             found.append(f"In these loops it gets worse with: {', '.join(harm)}.")
-        return [*found, f"The least swing of SP - PV plus {TRAVEL:g} of the travel is best, both over that of none."]
+        return [
+            *found,
+            f"A remedy scores its root mean square of SP - PV plus {TRAVEL:g} of its travel, each divided by that of "
+            "doing nothing. The least score is best.",
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """The advice for JSON."""
@@ -158,28 +168,33 @@ class Advice(Shown):
         }  # fmt: skip
 
     def rows(self) -> list[list[str]]:
-        """The table: remedy, sd of SP - PV with its interval and beside none, travel, reversals, settling."""
+        """The table: remedy, sd and mean of SP - PV, their rms beside none, sd of OP, travel, reversals, settling."""
         none = self.none.outcome
         found = []
         for each in (self.none, *self.tried):
             one = each.outcome
-            sd, share = size_of(one.pv_sd, endless=UNSTABLE), size_of(100.0 * one.pv_sd / none.pv_sd)
+            sd, share = size_of(one.pv_sd, endless=UNSTABLE), size_of(100.0 * one.pv_rms / none.pv_rms)
             counts = (np.median(one.op_sd), 24 * np.median(one.travel), 24 * np.median(one.reversals))
             found.append(
-                [each.name, str(sd), f"{share.value:.0f} ({share.low:.0f} to {share.high:.0f})"]
+                [
+                    each.name,
+                    str(sd),
+                    f"{np.median(one.pv_offset):.2g}",
+                    f"{share.value:.0f} ({share.low:.0f} to {share.high:.0f})",
+                ]
                 + [f"{count:{form}}" for count, form in zip(counts, (".3g", ".4g", ".0f"), strict=True)]
                 if sd.value is not None
-                else [each.name, "not stable", *[""] * 4]
+                else [each.name, "not stable", *[""] * 5]
             )
             found[-1] += [_time(each.sp_time), _time(each.load_time)]
         return found
 
     def columns(self) -> list[str]:
         """The heads of ``rows``."""
-        pv, op = self.fit.pv_unit or "PV", self.fit.op_unit
+        pv, op = self.fit.pv_unit or "unit of PV", self.fit.op_unit
         return [
-            "remedy", f"sd of SP - PV [{pv}]", "% of none", f"sd of OP [{op}]", f"travel/day [{op}]",
-            "turns/day", "SP step [s]", "load step [s]",
+            "remedy", f"sd of SP - PV [{pv}]", f"mean off SP [{pv}]", "rms, % of none", f"sd of OP [{op}]",
+            f"travel/day [{op}]", "turns/day", "SP step [s]", "load step [s]",
         ]  # fmt: skip
 
     def plot(self) -> Figure:
@@ -187,6 +202,11 @@ class Advice(Shown):
         from stickslip.remedy.figures import plot_advice
 
         return plot_advice(self)
+
+
+def _middle(values: Floats) -> str:
+    """The median as its ``size_of`` has it, to three digits."""
+    return f"{size_of(values, endless=UNSTABLE).value or math.inf:.3g}"
 
 
 def _time(size: Size) -> str:
@@ -203,14 +223,14 @@ def _situation(fit: LoopFit) -> Situation:
     return Situation(
         law.K_p, law.T_i, law.dt, middle("S"), middle("J"), middle("K"), lag,
         middle("theta"), fit.noise_sd.value or 0.0, float(np.std(e)), fit.best.integrating, fit.K.value is not None,
-        fit.op_unit, fit.pv_unit or "PV",
+        fit.op_unit, fit.pv_unit or "unit of PV",
     )  # fmt: skip
 
 
 def score(one: Outcome, none: Outcome) -> float:
     """The score of an outcome beside that of doing nothing, the median over all loops."""
-    swing, travel = none.pv_sd + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
-    return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
+    swing, travel = none.pv_rms + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
+    return float(np.median(one.pv_rms / swing + TRAVEL * one.travel / travel))
 
 
 def _share_below(x: float, values: Floats) -> float:
@@ -240,7 +260,7 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     times = settling(fit, [best.setting for *_, best in chosen])
     tried = [
         Tried(
-            name, shutdown, not_for, best, score(best, none), _share_below(1.0, widened(best.pv_sd / none.pv_sd)),
+            name, shutdown, not_for, best, score(best, none), _share_below(1.0, widened(best.pv_rms / none.pv_rms)),
             size_of(sp, endless=LONG), size_of(load, endless=LONG),
         )
         for (name, shutdown, not_for, best), (sp, load) in zip(chosen, times, strict=True)
@@ -248,8 +268,11 @@ def remedies(fit: LoopFit, progress: Callable[[str], None] = lambda _: None) -> 
     allowed = [one for one in tried[1:] if one.better >= SURE and one.score < tried[0].score]
     allowed.sort(key=lambda one: one.score)
     until = next((one.name for one in allowed if not one.at_shutdown), None)
-    shut = next((one.name for one in allowed if one.at_shutdown), None)
-    return Advice(fit, tried[0], tuple(tried[1:]), until, shut or until)
+    works = [one for one in allowed if one.at_shutdown]
+    least = min((float(np.median(one.outcome.pv_rms)) for one in works), default=0.0)
+    works.sort(key=lambda one: (np.median(one.outcome.pv_rms) > NEAR * least, one.name != REPAIR))
+    shut = next((one.name for one in works), until)
+    return Advice(fit, tried[0], tuple(tried[1:]), until, shut)
 
 
 def cost(fit: LoopFit) -> Cost:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,6 +49,18 @@ class Change:
         """Where in the loop it is."""
         return PLACES[self.effect]
 
+    @property
+    def unsure(self) -> bool:
+        """Whether the likeliest ratio is one that counts, though the records are not sure enough to name it."""
+        ratio = self.ratio.value
+        return not self.changed and bool(ratio) and abs(math.log(ratio or 1.0)) > COUNTS[self.effect]
+
+    def row(self) -> list[str]:
+        """It in a table: what, unit, earlier, later, ratio, and whether it has changed."""
+        ratio = str(self.ratio) if self.ratio.value is not None else ""
+        said = "yes" if self.changed else "unsure" if self.unsure else "no"
+        return [self.effect, self.unit, str(self.earlier), str(self.later), ratio, said]
+
     def words(self) -> str:
         """It in a sentence."""
         other = f" It may be {' or '.join(WORDS[one].lower() for one in self.ambiguous_with)} as well."
@@ -85,7 +98,10 @@ class Changes:
                 return ("A loop without stick explains the record as well as one with it.",)
             return (f"{WORDS['stiction']} is {stick.later} {stick.unit}; without it the record is not explained.",)
         if not self.gap:
-            return ("Nothing has changed beyond what the two records leave unsure.",)
+            said = "Nothing has changed beyond what the two records leave unsure."
+            may = next((one for one in self.compared if one.unsure), None)
+            more = f" {WORDS[may.effect]} may have: {may.ratio} times what it was." if may else ""
+            return (said + more,)
         return tuple(one.words() for one in self.changed)
 
     def to_dict(self) -> dict[str, Any]:

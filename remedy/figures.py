@@ -76,14 +76,14 @@ def plot_advice(advice: Advice) -> Figure:
     t = axis.at(day.t[:n])
     for ax, (name, one) in zip(axes, names, strict=True):
         ax.plot(t[run], (one.outcome.pv - sp)[run], color=INK if name == "now" else COLOURS["PV"], lw=0.9)
-        ax.set_title(f"{name}: {np.median(one.outcome.pv_sd):.3g} {fit.pv_unit}", fontsize=9, loc="left")
+        ax.set_title(f"{name}: {np.median(one.outcome.pv_rms):.3g} {fit.pv_unit}", fontsize=9, loc="left")
         tidy(ax)
     axis.finish(axes[-1], float(day.t[run.start]), float(day.t[n - 1]))
     for ax in axes:
         ax.set_ylabel(f"PV - SP{unit}")
     spread, travel = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
     _beside(advice, spread, travel)
-    spread.set_xlabel(f"standard deviation\nof SP - PV{unit}")
+    spread.set_xlabel(f"root mean square\nof SP - PV{unit}")
     travel.set_xlabel(f"stem travel\n[{fit.op_unit} a day]")
     return figure
 
@@ -94,12 +94,12 @@ def _log(fit: LoopFit) -> Log:
 
 
 def _beside(advice: Advice, spread: Axes, travel: Axes) -> None:
-    """A line for every remedy, the least standard deviation on top: that with its 90 % interval, and the travel."""
+    """A line for every remedy, the least root mean square on top: that with its 90 % interval, and the travel."""
     from matplotlib.ticker import MaxNLocator
 
     lines = []
     for one in (advice.none, *advice.tried):
-        low, middle, high = np.percentile(widened(one.outcome.pv_sd), [5.0, 50.0, 95.0], method="nearest")
+        low, middle, high = np.percentile(widened(one.outcome.pv_rms), [5.0, 50.0, 95.0], method="nearest")
         if math.isinf(middle):
             continue
         chosen = one.name in (advice.until_shutdown, advice.at_shutdown)

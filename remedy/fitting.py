@@ -78,11 +78,12 @@ def fit(
         notes.append("SP is not logged; it is taken to stand.")
     if 1.0 - law.present[0] / law.K_p > FORMS:
         K_p, T_i = law.present
+        filters = law.T_d * law.T_f > 0.0
         notes.append(
-            "K_p and T_i are those of a controller whose integral takes in the error of the scan before"
-            f"{' and whose filter is of all PV' * (law.T_d * law.T_f > 0.0)}. With the present error"
-            f"{' and a filter of the derivative' * (law.T_d * law.T_f > 0.0)} they are {K_p:.3g} and {T_i:.3g} s; "
-            "the log does not tell which it is."
+            f"K_p and T_i are {law.K_p:.3g} and {law.T_i:.3g} s if the integral takes in the error of the row before"
+            f"{' and the filter is of all PV' * filters}. With the error of the same row"
+            f"{' and a filter of the derivative' * filters} they are {K_p:.3g} and {T_i:.3g} s. The log does not tell "
+            "which it is, so the table states the middle."
         )
     if law.explained < 0.9:
         notes.append(f"The PI law tells {100 * law.explained:.0f} % of how OP moves; settings are as unsure.")

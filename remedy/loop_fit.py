@@ -108,7 +108,7 @@ class LoopFit(Shown):
         travel = f"{high - low:.3g} {self.op_unit.removesuffix(' of OP')}"
         return (
             f"The record does not tell whether the valve sticks. OP travels {travel}, and {why}. "
-            f"To settle it: {confirming_steps('stiction', float(high - low), self.op_unit)}."
+            f"To settle it: {confirming_steps('stiction', 0.5 * float(high - low), self.op_unit)}."
         )
 
     @property
@@ -118,10 +118,14 @@ class LoopFit(Shown):
 
     @property
     def K_p(self) -> Size:
-        """Gain of the controller [unit of OP per unit of PV], within what either form of its integral has."""
+        """Gain of the controller [unit of OP per unit of PV]: the middle of what both forms of its integral have.
+
+        The middle is also what a controller has that scans much faster than the log.
+        """
         low, high = self.controller.spread("K_p")
         share = self.controller.present[0] / self.controller.K_p
-        return Size(self.controller.K_p, min(low, share * low), max(high, share * high))
+        middle = 0.5 * (1.0 + share) * self.controller.K_p
+        return Size(middle, min(low, share * low), max(high, share * high))
 
     @property
     def T_i(self) -> Size:
@@ -129,7 +133,8 @@ class LoopFit(Shown):
         if not math.isfinite(self.controller.T_i):
             return Size(None, None, None, "no integral action is seen")
         low, high = self.controller.spread("T_i")
-        return Size(self.controller.T_i, low + self.controller.present[1] - self.controller.T_i, high)
+        less = self.controller.T_i - self.controller.present[1]
+        return Size(self.controller.T_i - 0.5 * less, low - less, high)
 
     @cached_property
     def S(self) -> Size:

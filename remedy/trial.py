@@ -56,22 +56,31 @@ NOTHING = Setting("as it is", {})
 class Outcome:
     """What a setting gives on each loop, (loops,): standard deviations of SP - PV and OP, travel, reversals.
 
+    pv_rms : root mean square of SP - PV, which a lasting offset adds to [unit of PV]
     travel [unit of OP per h], reversals [1/h];  all inf where PV runs away;  pv, op : (n,) of the first loop, for
     pictures
     """
 
     setting: Setting
     pv_sd: Floats
+    pv_rms: Floats
     op_sd: Floats
     travel: Floats
     reversals: Floats
     pv: Floats
     op: Floats
 
+    @property
+    def pv_offset(self) -> Floats:
+        """How far the mean of PV stays from that of SP [unit of PV]."""
+        stays = np.isfinite(self.pv_rms)
+        apart = np.sqrt(np.maximum(np.where(stays, self.pv_rms, 0.0) ** 2 - np.where(stays, self.pv_sd, 0.0) ** 2, 0.0))
+        return np.where(stays, apart, math.inf)
+
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
-        names = ("pv_sd", "op_sd", "travel_per_h", "reversals_per_h")
-        values = (self.pv_sd, self.op_sd, self.travel, self.reversals)
+        names = ("pv_sd", "pv_rms", "pv_offset", "op_sd", "travel_per_h", "reversals_per_h")
+        values = (self.pv_sd, self.pv_rms, self.pv_offset, self.op_sd, self.travel, self.reversals)
         return {name: size_of(own, endless=UNSTABLE).to_dict() for name, own in zip(names, values, strict=True)}
 
 
@@ -167,14 +176,15 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     made = []
     for setting, pv, op, stem in zip(settings, found["PV"], found["OP"], found["MV"], strict=True):
         values = (
-            np.std((sp - pv)[:, first:], axis=1), np.std(op[:, first:], axis=1),
+            sd := np.std((sp - pv)[:, first:], axis=1), np.hypot(sd, np.mean((sp - pv)[:, first:], axis=1)),
+            np.std(op[:, first:], axis=1),
             np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
         stays = np.max(np.abs(pv), axis=1) < ends
-        sd, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
+        sd, rms, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
         pv_0, op_0 = base + (0.0 if stays[0] else math.nan), float(day.op[0])
-        made.append(Outcome(setting, sd, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
+        made.append(Outcome(setting, sd, rms, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
     return made
 
 

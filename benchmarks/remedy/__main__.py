@@ -77,11 +77,11 @@ def _sizes(plant: Plant, one: LoopFit) -> dict[str, Any]:
 
 
 def _judged(plant: Plant, advice: Advice) -> dict[str, Any]:
-    sd, travel = plant.measured_as_it_is
+    sd, rms, travel = plant.measured_as_it_is
     true = {}
     for one in advice.tried:
         own = plant.measured(one.outcome.setting)
-        true[one.name] = (own[0], own[0] / sd + TRAVEL * own[1] / travel)
+        true[one.name] = (own[0], own[1] / rms + TRAVEL * own[2] / travel, own[1])
     true_sd = [*(true[one.name][0] for one in advice.tried), sd]
     ratios = [
         [*(float(x) for x in np.percentile(widened(one.outcome.pv_sd), [50.0, 5.0, 95.0], method="nearest")), own]
@@ -97,7 +97,7 @@ def _judged(plant: Plant, advice: Advice) -> dict[str, Any]:
         "sd": ratios, "names": [one.name for one in advice.tried] + ["none"], "chosen": chosen, "best": best,
         "regret": regrets[chosen or "none"], "next": sorted(regrets.values())[1], "bold": regrets[bold],
         "known": [regrets[name] for name in _best_where_known(plant, advice)],
-        "harm": chosen is not None and now[chosen][0] > sd, "true": {k: v[0] / sd for k, v in true.items()},
+        "harm": chosen is not None and now[chosen][2] > rms, "true": {k: v[0] / sd for k, v in true.items()},
         "scores": {k: v[1] for k, v in true.items()}, "foretold": {one.name: one.score for one in advice.tried},
         "ratios": {one.name: sorted(one.outcome.pv_sd / advice.none.outcome.pv_sd) for one in advice.tried},
     }  # fmt: skip

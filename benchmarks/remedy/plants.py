@@ -190,18 +190,19 @@ class Plant:
         )
 
     @cached_property
-    def measured_as_it_is(self) -> tuple[float, float]:
+    def measured_as_it_is(self) -> tuple[float, float, float]:
         """``measured`` without a remedy."""
         return self.measured(NOTHING)
 
-    def measured(self, setting: Setting) -> tuple[float, float]:
-        """Standard deviation of SP - PV and travel per hour under the same load; inf where PV runs away."""
+    def measured(self, setting: Setting) -> tuple[float, float, float]:
+        """Standard deviation and rms of SP - PV, travel per hour under the same load; inf where PV runs away."""
         pv, _, stem = self.log(setting)
         if not np.all(np.abs(pv) < AWAY * np.ptp(self.log()[0])):
-            return math.inf, math.inf
+            return math.inf, math.inf, math.inf
         first = int(SKIPPED * len(pv))
         travel = float(np.sum(np.abs(np.diff(stem[first:])))) / ((len(pv) - first) * self.dt / 3600.0)
-        return float(np.std((self.sp - pv)[first:])), travel
+        e = (self.sp - pv)[first:]
+        return float(np.std(e)), float(np.sqrt(np.mean(e**2))), travel
 
 
 def _wander(r: Any, memory: float, samples: int) -> Values:

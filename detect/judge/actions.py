@@ -17,9 +17,9 @@ class Doing:
 
 
 STEPS = (
-    "put the loop in manual, move OP by {start:g} {unit} one way until PV follows, then back in {count} steps of "
-    "{step:g} {unit}, with a wait of several time constants after each: a sticky valve answers none of the first and "
-    "then jumps"
+    "put the loop in manual, move OP by {start:g} {unit} one way, or less if PV follows, then back in {count} steps "
+    "of {step:g} {unit}. After each wait until PV, or the slope of a level, is steady, and move OP back before PV "
+    "leaves its limits. A sticky valve answers none of the first steps and then jumps"
 )
 MANUAL = (
     "put the loop in manual for a few periods: a wave that goes was the loop's own, one that stays comes from outside"
@@ -73,7 +73,7 @@ def confirming_steps(cause: str, S: float, unit: str) -> str:
     """The confirming test for a cause, with steps of a quarter of S, up to 1.5 S; empty if none is needed.
 
     >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
-    'put the loop in manual, move OP by 8 % one way until PV foll'
+    'put the loop in manual, move OP by 8 % one way, or less if P'
     """
     unit = unit.removesuffix(" of OP")  # it is OP that is moved
     return CAUSES[cause].test.format(start=rounded(2.0 * S), step=rounded(0.25 * S), count=6, unit=unit)

@@ -263,6 +263,8 @@ def next_step(
     if not settled and (test == steps or (doubted and not test)):
         stem = "" if stem_logged else "log the stem position, or "
         return f"{NOTHING_YET} To settle it: {stem}{steps}."
+    if not settled and not test:
+        return f"{doing.action} now, but the record does not clear the valve. To settle it: {steps}."
     said = f"{doing.action} ({doing.owner}). To confirm: {test}." if test else f"{doing.action}."
     if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
         said += f" To rule out the valve: {steps}."

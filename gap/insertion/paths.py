@@ -46,8 +46,8 @@ def command(block: Block) -> str | None:
 
 def moved_by(block: Block) -> str:
     """Return the signal that a block gives: of several that which plays MV, or the first."""
-    signal = block.loop_signal("MV") if block.role is Role.VALVE else None
-    return signal if signal in map(str, block.output_labels) and signal else str(block.output_labels[0])
+    given, stem = list(map(str, block.output_labels)), block.loop_signal("MV")
+    return stem if block.role is Role.VALVE and stem in given else given[0]
 
 
 def users(diagram: Diagram, signal: str) -> tuple[str, ...]:

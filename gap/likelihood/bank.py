@@ -8,6 +8,7 @@ from stickslip.engine.bank import banked
 from stickslip.engine.restarts import kept_sizes, standing
 from stickslip.gap.exact.affine import NotAffine
 from stickslip.gap.exact.stems import left_by_stems, likely_path
+from stickslip.gap.insertion.inserted import percent_of_stem
 from stickslip.gap.insertion.paths import given
 from stickslip.gap.likelihood.gains import gains_for
 from stickslip.gap.likelihood.hypothesis import EVENTS, FAR, Hypothesis, Innovations, bar_of
@@ -48,9 +49,10 @@ def left_by_bank(
     near = near.followed
     assert near.gains is not None
     gains = gains_for(one.labels, near.hypothesis.labels, near.gains)
+    reach = full[one.own[0]] * percent_of_stem(f.model, one.place)
     status = banked(
         I, W, np.empty((EVENTS, 4)), *kept_sizes(I), one.places, one.shown, one.places[0, one.where],
-        hidden, times, row_of, phi, sd, f.anew, np.sqrt(12.0 * f.r), gains, near.S, FAR, bar_of(best), f.sure, z,
+        hidden, times, row_of, phi, sd, f.anew, np.sqrt(12.0 * f.r), gains, near.S, FAR, bar_of(best), f.sure, reach, z,
         drawn, dither, shares, losses, e, stood, came,
     )  # fmt: skip
     complain(status)

@@ -67,7 +67,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     frame = null.hypothesis.frame
     left_out: tuple[str, ...] = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
     return [
-        Hypothesis(frame, resting(effect) if frame.scanned else effect, place, level)
+        resting(Hypothesis(frame, effect, place, level))
         for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in frame.given.places(effect)
         for level in (False, True)[: 1 + bool(effect.level)]

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from stickslip.gap.effects.stiction import RestingStiction, SampledStiction, Stiction
 from stickslip.gap.fits.coordinates import width
-from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.bent_valve import stem_signal
+from stickslip.gap.insertion.paths import command
 from stickslip.gap.insertion.scales import span
 from stickslip.gap.likelihood.few_stems import FewStems, known_stem, on_path
 from stickslip.gap.likelihood.fit import Fit, refined
@@ -36,6 +37,7 @@ SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
 LARGE = (0.3, 0.55, 0.8)  # of any S, likewise
 ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
+AT_ONCE = 0.1  # of a scan, after which a stem sticks anew behind a lag
 SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 4, 0.09  # places from which sizes are searched, and by how much their J/S differ at least
@@ -44,6 +46,7 @@ STEPS = (0.04, 0.02)  # shares by which sizes are changed, one after the other
 FEW, MOST_STEMS = 4, 24  # of a bank while sizes are looked for, and at the end
 SURER = 3  # times as many at the end, where each costs little
 ROUNDS = 2  # of a fit of noise and loads
+MORE = 5.0  # nats that sizes, noise and loads must gain, or they are not searched again
 SHOWS = 1.0  # nats that some band must gain over a stem that goes where OP sends it, with the same noise and gains
 AGAIN = 4  # sizes that are asked again in all rows
 ASIDE = 0.1  # share by which sizes are changed to see how sure they are
@@ -92,7 +95,12 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
         again = asked_with(bank, bank.shared, best)
         if again is None:
             return None
-        last = with_likelier_noise(again)
+        last, before = again, math.inf
+        while last.least < before - MORE:  # the less is left to noise and loads, the sharper sizes show
+            before = last.least
+            last = with_likelier_noise(last)
+            _refined(last, last.likeliest)
+            last = asked_with(last, last.shared, last.likeliest) or last
         known = refined(known_stem(last.likeliest).filtered(last.shared), free, 0)
     _refined(last, last.likeliest)
     return _finished(last, known)
@@ -114,8 +122,10 @@ def _screened(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool)
     banks = [bank for bank in made if bank is not None]
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
     pairs = _pairs(one) if len(one.own) > 1 and one.cheap else []
-    first = [*(_bands(one) if without is None else _jumps(without)), *pairs]
-    in_threads(lambda trial: trial[0].tried(trial[1]), [(bank, size) for bank in banks for size in first])
+    first = [(size, one) for size in [*(_bands(one) if without is None else _jumps(without, 0.5)), *pairs]]
+    if without is not None and behind_lag(one):
+        first += [(size, other_law(one)) for size in _jumps(without, 0.0)]
+    in_threads(lambda trial: trial[0].tried(*trial[1]), [(bank, trial) for bank in banks for trial in first])
     return [
         bank for bank, at_rest in zip(banks, still, strict=True)
         if bank.trials and (at_rest is None or bank.least < at_rest.nll - SHOWS)
@@ -139,16 +149,17 @@ def _without_band(one: Hypothesis) -> dict[str, float]:
     return {one.own[0]: NEARLY_NONE * low, **dict.fromkeys(one.own[1:], 0.0)}
 
 
-def _jumps(without: Fit) -> list[dict[str, float]]:
-    """Return the sizes of a stem that jumps that are tried first: a play that stands for it has a band of S - J/2."""
+def _jumps(without: Fit, less: float) -> list[dict[str, float]]:
+    """Return the sizes of a stem that jumps that are tried first: a play for it has a band S - ``less`` J."""
     band = without.best.values[without.hypothesis.own[0]]
-    S = [(band * about / (1.0 - 0.5 * share), share) for share in SHARES for about in ABOUT]
+    S = [(band * about / (1.0 - less * share), share) for share in SHARES for about in ABOUT]
     return [{"S": band, "J": 0.0}, *({"S": size, "J": share * size} for size, share in S)]
 
 
-def resting(effect: Effect) -> Effect:
-    """Return an effect; a stem that jumps as one that sticks anew between scans."""
-    return RestingStiction() if type(effect) is Stiction else effect
+def resting(one: Hypothesis) -> Hypothesis:
+    """Return a hypothesis; of a stem that jumps, where OP stands still between scans, that it sticks anew there."""
+    held = type(one.effect) is Stiction and one.frame.scanned and not behind_lag(one)
+    return replace(one, effect=RestingStiction()) if held else one
 
 
 def settled_stem(fit: Fit) -> Fit:
@@ -255,7 +266,7 @@ def _refined(bank: Bank, start: Innovations) -> Innovations:
     best = bank.tried(sizes_of(start), start.hypothesis) or start
     for step in STEPS:
         ways: dict[int, tuple[float, ...]] = dict.fromkeys(range(len(bank.one.own)), (1.0 - step, 1.0 + step))
-        for _ in range(OFTEN if bank.one.cheap else 1):
+        for _ in range(OFTEN if bank.one.cheap else OFTEN // 2):
             before = best
             for k in ways:
                 for way in ways[k]:
@@ -286,9 +297,18 @@ def _moved(size: dict[str, float], k: int, way: float) -> dict[str, float]:
 def other_law(one: Hypothesis) -> Hypothesis:
     """Return the stem that slides on in place of one that sticks anew, or the other way round.
 
-    It sticks anew whenever a scanned OP stands still, or where OP goes on, at each row.
+    It sticks anew whenever a scanned OP stands still, behind a lag as soon as it has jumped, or where OP goes on, at
+    each row.
     """
     f = one.frame
     if type(one.effect) is not Stiction:
         return replace(one, effect=Stiction())
-    return replace(one, effect=RestingStiction() if f.scanned else SampledStiction(f.record.log.dt))
+    if f.scanned and not behind_lag(one):
+        return replace(one, effect=RestingStiction())
+    return replace(one, effect=SampledStiction(f.scanned * AT_ONCE if f.scanned else f.record.log.dt))
+
+
+def behind_lag(one: Hypothesis) -> bool:
+    """Return whether what a stem follows moves between the scans of a controller, as behind an actuator's lag."""
+    f = one.frame
+    return bool(f.scanned) and stem_signal(f.model, one.place) not in f.ops and command(f.model[one.place]) not in f.ops

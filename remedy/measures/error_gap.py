@@ -14,6 +14,9 @@ def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
     gaps = sorted({0.5 * at.K * at.J + 2.0 * at.noise, at.swing})
     return [
-        Setting(f"no action while |SP - PV| < {gap:.3g} {at.pv_unit}", {"gap": gap}, {"controller.gap": gap})
+        Setting(
+            f"no action while |SP - PV| < {gap:.3g} {at.pv_unit}, and beyond it on what is beyond", {"gap": gap},
+            {"controller.gap": gap},
+        )
         for gap in gaps if gap > 0.0
     ]  # fmt: skip

@@ -14,7 +14,8 @@ def settings(at: Situation) -> list[Setting]:
     """Return the settings that are tried."""
     return [
         Setting(
-            f"pulses of {a:.3g} {at.op_unit}, {2 * at.dt:g} s long, every {5 * at.dt:g} s",
+            f"pulses of {a:.3g} {at.op_unit} in the direction in which OP last moved, {2 * at.dt:g} s long, every "
+            f"{5 * at.dt:g} s",
             {"a": a, "width": 2.0 * at.dt, "period": 5.0 * at.dt},
             {"knocker.a": a, "knocker.period": 5.0 * at.dt, "knocker.width": 2.0 * at.dt},
         )

@@ -15,7 +15,8 @@ def settings(at: Situation) -> list[Setting]:
     hold = 3.0 * abs(at.K_p) * at.noise
     return [
         Setting(
-            f"{a:.3g} {at.op_unit} in the way that OP goes, turned when OP has gone back by {hold:.2g}",
+            f"{a:.3g} {at.op_unit} added in the direction in which OP moves; its sign changes when OP has gone back by "
+            f"{hold:.2g}",
             {"a": a, "hold": hold}, {"reinforcement.a": a, "reinforcement.hold": hold},
         )
         for a in (0.5 * (at.S - at.J), 0.5 * at.S) if a > 0.0

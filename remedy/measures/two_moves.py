@@ -17,7 +17,9 @@ def settings(at: Situation) -> list[Setting]:
     pause = max(3.0 * (at.lag + at.theta), 2.0 * at.dt)
     return [
         Setting(
-            f"two waves, then OP to rest, for {pause:.3g} s each; released when PV is {band:.3g} {at.pv_unit} off",
+            f"after two waves OP goes to their mean +- {at.S:.3g} for {pause:.3g} s, then to -+ "
+            f"{0.5 * (at.S - at.J):.2g} {at.op_unit} of it and rests; the controller takes over again when PV is "
+            f"{band:.3g} {at.pv_unit} off SP",
             {"S": at.S, "J": at.J, "band": band, "pause": pause},
             {"two_move.S": at.S, "two_move.J": at.J, "two_move.band": band, "two_move.pause": pause},
         )

@@ -121,7 +121,9 @@ def sentences(found: "LoopFit") -> list[str]:
     """Return the sentences that stand below the table of a fit."""
     law = found.controller
     share = f"{100 * law.explained:.1f} %"
-    law_line = f"The controller is {law.form}, every {law.dt:g} s; its law explains {share} of how OP moves."
+    law_line = (
+        f"The controller is {law.form}, read from rows every {law.dt:g} s; its law explains {share} of how OP moves."
+    )
     kind = "integrates" if found.best.integrating else "settles by itself"
     kind = "does not show" if found.closed else kind
     fits = (

@@ -13,9 +13,12 @@ from stickslip.commands.targets import check_targets, write_whole
 if TYPE_CHECKING:
     from stickslip.gap import GapReport, LatentInput
     from stickslip.logs import Log
+    from stickslip.remedy.change import Changes
+    from stickslip.remedy.loop_fit import LoopFit
 
 SCHEMA = "stickslip.gap/1"
 SHOWN = 6  # effects that are listed
+HEADS = ["what", "unit", "earlier (90 % interval)", "later (90 % interval)", "later / earlier", "changed"]
 
 
 @click.command("gap")
@@ -90,7 +93,7 @@ def command(
     """
     check_targets({"--html": html, "--json": json_file}, source=run)
     if model is None:
-        without_model(run, earlier, signals, html is not None or calibrate, json_file, form)
+        without_model(run, earlier, signals, calibrate, html, json_file, form)
     if earlier is not None:
         raise ValueError("--fit is given beside --model; a record is held against one of them: leave out the other")
     from stickslip.commands.own import diagram_named
@@ -131,15 +134,20 @@ def command(
 
 
 def without_model(
-    run: Path, earlier: Path | None, signals: tuple[str, ...], more: bool, json_file: str | None, form: dict[str, Any]
+    run: Path,
+    earlier: Path | None,
+    signals: tuple[str, ...],
+    calibrate: bool,
+    html: Path | None,
+    json_file: str | None,
+    form: dict[str, Any],
 ) -> NoReturn:
     """Say what a loop fitted to RUN lacks, or what has changed since EARLIER, and leave."""
     from stickslip.commands.fit import fitted
-    from stickslip.logs.chances import chance
     from stickslip.remedy import FitError, changes, lacks
 
-    if more or signals:
-        raise ValueError("--html, --calibrate and --signal need a --model; give one, or leave them out")
+    if calibrate or signals:
+        raise ValueError("--calibrate and --signal need a --model; give one, or leave them out")
     fits = []
     for record in filter(None, (earlier, run)):
         try:
@@ -151,20 +159,33 @@ def without_model(
     say("GAP" if answer.gap else "NO GAP", fg="red" if answer.gap else "green", bold=True)
     for sentence in answer.words:
         say.paragraph(sentence)
-    sizes = ["size"] if earlier is None else ["earlier", "later"]
-    say.table(
-        ["effect", "place", "probability", *sizes],
-        [
-            [one.effect, one.place, chance(one.probability), *map(str, (one.earlier, one.later)[-len(sizes) :])]
-            for one in answer.compared
-        ],
-    )
+    table = [HEADS, *(one.row() for one in answer.compared)] if earlier is not None else []
+    if table:
+        say.table(table[0], table[1:])
     if answer.notes:
         say("Read and assumed:")
     for sentence in answer.notes:
         say.paragraph(sentence, "  - ")
+    if html is not None:
+        write_whole(html, _page_of_fits(answer, fits, table, run.name).encode())
+        say(f"report: {html}")
     say.document({"schema": SCHEMA, **answer.to_dict()})
     raise SystemExit(1 if answer.gap else 0)
+
+
+def _page_of_fits(answer: "Changes", fits: "list[LoopFit]", table: list[list[str]], name: str) -> str:
+    from stickslip.commands.fit import fit_section
+    from stickslip.commands.report.page import Section, page, table_to_html
+
+    badge, kind = ("GAP", "bad") if answer.gap else ("NO GAP", "good")
+    notes = list(answer.notes)
+    first = Section("The answer", badge, kind, " ".join(answer.words), notes=notes, notes_label="Read and assumed")
+    if table:
+        first.figures.append(table_to_html(table[0], table[1:]))
+    sections = [fit_section(one) for one in fits]
+    for section, time in zip(sections, ("Earlier", "Later") if len(fits) > 1 else ("",), strict=True):
+        section.title = f"{time}: the fitted loop" if time else section.title
+    return page(f"{name}: {'gap' if answer.gap else 'no gap'}", "", [first, *sections])
 
 
 def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":

@@ -8,7 +8,7 @@ from stickslip.remedy.figures import plot_advice
 
 
 def tried(name, sd, travel):
-    outcome = SimpleNamespace(pv=np.sin(np.arange(600) / 9.0), pv_sd=sd * np.linspace(0.9, 1.1, 11), travel=travel)
+    outcome = SimpleNamespace(pv=np.sin(np.arange(600) / 9.0), pv_rms=sd * np.linspace(0.9, 1.1, 11), travel=travel)
     return SimpleNamespace(name=name, outcome=outcome)
 
 

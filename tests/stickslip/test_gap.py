@@ -175,10 +175,12 @@ def test_without_a_model_two_records_of_a_loop_say_what_changed(call, tmp_path):
 
     given = "gap", file("later.csv", 0.5), "--fit", file("earlier.csv", 1.0)
     assert call(*given).exit_code == 2
-    result = call(*given, "--loop", "FIC1", "--json", "-")
+    result = call(*given, "--loop", "FIC1", "--json", "-", "--html", tmp_path / "changed.html")
     assert result.exit_code == 1, result.output
     found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
     assert set(found) == {"schema", "gap", "where", "causes", "ranking", "hints", "shrinkage"}
+    page = (tmp_path / "changed.html").read_text()
+    assert "The answer" in page and "Earlier: the fitted loop" in page and "Later: the fitted loop" in page
     gain = next(one for one in found["causes"] if one["effect"] == "controller_gain")
     assert gain["parameters"]["ratio"]["value"] == pytest.approx(0.5, rel=0.02)
     short = tmp_path / "short.csv"
