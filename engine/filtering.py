@@ -279,13 +279,13 @@ def extended(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def otherwise(  # type: ignore[no-untyped-def]
-    at, size, row_of, phi, other_phi, other_sd, values, r, spread, which, force, A, B, H, G, shown, missed, gains,
-    other_gains, e, S,
+    at, size, row_of, phi, other_phi, other_sd, values, r, joined, spread, which, force, A, B, H, G, shown, missed,
+    gains, other_gains, e, S,
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
 
     ``phi``, ``force`` and ``gains`` are those of the known filter; ``shown`` (rows, m) what its mean showed at rows,
-    and ``missed`` what it missed there.
+    and ``missed`` what it missed there; ``joined`` whether every row has all gains.
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
     room = FACTOR * (n + q + 1)
@@ -293,7 +293,7 @@ def otherwise(  # type: ignore[no-untyped-def]
     columns = spread.shape[1]
     for i in range(n):
         write(spread[i], D[i])
-    nowhere, back = np.empty((0, room)), np.empty(0)
+    nowhere, back = np.empty((0, room)), np.empty(n + q + 1)
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
@@ -328,6 +328,7 @@ def otherwise(  # type: ignore[no-untyped-def]
                     s += (other_phi[k, j] - phi[k, j]) * g[i, j] * force[k, j]
                 y[i] = s
             write(shown[row], known)
+            F = joint(D, columns, other_sd[k], width, bent(b, g)) if joined else nowhere
             for i in range(m):
                 if values[row, i] != values[row, i]:
                     continue
@@ -335,7 +336,7 @@ def otherwise(  # type: ignore[no-untyped-def]
                 if off == off:  # where a row was run again, it missed other than its slopes foretell: so would this one
                     y[i] += values[row, i] - known[i] - off
                 before = values[row - 1, i] if row > 0 else math.nan
-                taken_in(i, values[row, i], before, r[row, i], width, E, nowhere, Y, moved, back, y, other_gains[row],
+                taken_in(i, values[row, i], before, r[row, i], width, E, F, Y, moved, back, y, other_gains[row],
                          e[row], S[row])  # fmt: skip
                 if off == off:
                     for p in range(n):

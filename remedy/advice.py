@@ -205,8 +205,9 @@ class Advice(Shown):
 
 
 def _middle(values: Floats) -> str:
-    """The median as its ``size_of`` has it, to three digits."""
-    return f"{size_of(values, endless=UNSTABLE).value or math.inf:.3g}"
+    """The median as its ``size_of`` has it, to three digits and without an exponent."""
+    middle = float(size_of(values, endless=UNSTABLE).value or math.inf)
+    return f"{middle:.3g}" if middle < 1000.0 else f"{middle:,.0f}"
 
 
 def _time(size: Size) -> str:

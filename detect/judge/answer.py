@@ -52,6 +52,7 @@ LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop c
 # whose valve passes nothing on, and 11 of 114 others (the first law, seeds 72100 and 72101).
 SILENT = 0.05
 NOTHING_YET = "Nothing at the valve yet."
+ALONE = " A load that goes in ramps or steps leaves the same trace, so this alone decides nothing."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
 
@@ -155,7 +156,9 @@ def _judged(
 ) -> Answer:
     concluded = _concluded(loop, view, said, model, seen)
     if seen is not None and (seen.accuses or concluded.word == "inconclusive"):
-        concluded = replace(concluded, reason=f"{concluded.reason} {in_words(seen, loop.op_unit[1] == PERCENT)}")
+        alone = ALONE if seen.accuses and concluded.word == "inconclusive" else ""
+        words = f"{concluded.reason} {in_words(seen, loop.op_unit[1] == PERCENT)}{alone}"
+        concluded = replace(concluded, reason=words)
     weighed = grounds(found, model.shares(found), concluded.probability is not None and concluded.probability >= 0.5)
     if concluded.word == "no_stiction" and seen is not None and concluded.limit is not None:
         size = f"{rounded(concluded.limit[0]):g} {concluded.limit[1]}"

@@ -55,7 +55,7 @@ def hides(e: Evidence, unit: str) -> str:
     if e.turned < TURNS:
         return f"OP turns back {e.turned} times only ({TURNS} needed)"
     if e.unpaid > 0.0:
-        return "at one delay a stem with dead travel of some size does better, if nothing is paid for its size"
+        return "at one delay dead travel of some size fits PV better, by less than one more parameter costs"
     if e.bent > 0.0:
         return f"PV answers OP by no straight line ({e.bent:.3g} nats), as where a valve sticks"
     if not e.steady:

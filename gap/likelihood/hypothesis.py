@@ -134,19 +134,19 @@ class Hypothesis(Statement):
         kinks, turns = np.zeros(len(e), dtype=np.bool_), np.zeros((0, 0))
         return Innovations(self, dict(values), e, S, None, kinks, turns, shown)
 
-    def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
-        """Return what is left with other noise, in the slopes of a known filter of the same path."""
+    def noisier(self, known: "Innovations", values: Mapping[str, float], joined: bool = False) -> "Innovations":
+        """Return what is left with other noise, in the slopes of a known filter of the same path; see ``filtered``."""
         f = self.frame
         full = {**known.values, **values}
         if known.gains is None:
-            return self.filtered(full)
+            return self.filtered(full, joined=joined)
         path, shown = known.path, known.shown
         assert path is not None and shown is not None
         phi, sd = self.noise_with(full)
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.anew, f.r, spread, path.which, path.force,
+        otherwise(self.where, size, f.stops[1], path.phi, phi, sd, f.anew, f.r, joined, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains, known.kinks, known.turns)
 

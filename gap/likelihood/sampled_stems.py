@@ -19,10 +19,10 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.gap.likelihood.replayed_stems import head_of
 from stickslip.gap.likelihood.settling import free_names
 
-APART, SHARES = 0.05, 12  # of the grid: steps of f_s as a logarithm, and how many shares of it f_d is
+APART, SHARES = 0.07, 10  # of the grid: steps of f_s as a logarithm, and how many shares of it f_d is
 KEPT, DISTINCT = 8, 0.15  # points that are followed, and how far apart they are
 FURTHER = 3  # of these that are followed over smaller ranges
-POINTS = 25  # of a line
+POINTS = 17  # of a line
 WIDE, NARROW = (0.2, 0.1), (0.05, 0.02, 0.01)  # ranges over which bands are sought, up and down, as a share
 LAST = (0.1, 0.05, 0.03, 0.01, 0.003)  # the same in the whole record
 

@@ -1,6 +1,7 @@
 """Trials of the sizes of one stem by a bank, with noise, loads and gains that all trials share."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from stickslip.gap.likelihood.bank import left_by_bank
@@ -9,7 +10,9 @@ from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 from stickslip.logs.arrays import Values
 
 STEMS = 12  # of a bank while sizes are searched
-FACTORS, LIKELIER = (1.4, 1.2, 1.1), 0.5  # by which noise and loads are changed in turn, and nats that one must gain
+FACTORS: Sequence[float] = (1.4, 1.2, 1.1)  # by which noise and loads are changed in turn
+AFTER: Sequence[float] = (1.2,)  # the same once sizes have changed
+LIKELIER = 0.5  # nats that one must gain
 
 
 @dataclass(eq=False)
@@ -77,18 +80,28 @@ def asked_with(bank: Bank, shared: dict[str, float], best: Innovations) -> Bank 
     return found if found is not None and found.tried(sizes_of(best), best.hypothesis) is not None else None
 
 
-def with_likelier_noise(bank: Bank) -> Bank:
-    """Return a bank of the same sizes with noise and loads that make it likelier, each changed by a factor in turn."""
-    best = bank.likeliest
-    for factor in FACTORS:
+def with_likelier_noise(bank: Bank, factors: Sequence[float] = FACTORS) -> Bank:
+    """Return a bank of the same sizes with noise and loads that make it likelier, each changed by a factor in turn.
+
+    The gains of each are those in the slopes of the first bank, whose stem goes the same path.
+    """
+    best, first = bank.likeliest, bank
+    for factor in factors:
         for name in bank.one.frame.free:
             for way in (factor, 1.0 / factor):
                 while _allows(bank, name, size := bank.shared[name] * way):
-                    ahead = asked_with(bank, {**bank.shared, name: size}, best)
+                    ahead = _noisier(first, {**bank.shared, name: size}, best)
                     if ahead is None or ahead.least > bank.least - LIKELIER:
                         break
                     bank = ahead
     return bank
+
+
+def _noisier(bank: Bank, shared: dict[str, float], best: Innovations) -> Bank | None:
+    """Return a bank with other noise in the slopes of a known one, and what it leaves with the best sizes."""
+    near = bank.near.hypothesis.noisier(bank.near, shared, joined=True)
+    found = Bank(bank.one, shared, near, few=bank.few)
+    return found if found.tried(sizes_of(best), best.hypothesis) is not None else None
 
 
 def _allows(bank: Bank, name: str, size: float) -> bool:

@@ -21,6 +21,8 @@ from stickslip.gap.likelihood.few_stems import FewStems, known_stem, on_path
 from stickslip.gap.likelihood.fit import Fit, refined
 from stickslip.gap.likelihood.hypothesis import LATE, Hypothesis, Innovations
 from stickslip.gap.likelihood.stem_trials import (
+    AFTER,
+    FACTORS,
     STEMS,
     Bank,
     asked_with,
@@ -37,7 +39,7 @@ SIZES = 10  # bands over their range, first
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8)  # of S, that a jump may be
 LARGE = (0.3, 0.55, 0.8)  # of any S, likewise
 ABOUT = (0.95, 1.0, 1.05)  # the band that stands for a jump, over S - J/2
-AT_ONCE = 0.1  # of a scan, after which a stem sticks anew behind a lag
+AT_ONCE = 0.25  # of a scan, after which a stem sticks anew behind a lag
 SMALLEST, LARGEST = 0.02, 1.0  # of OP's travel: bands that are looked for
 NEARLY_NONE = 1e-3  # of the smallest band: a stem that goes where OP sends it
 STARTS, APART = 4, 0.09  # places from which sizes are searched, and by how much their J/S differ at least
@@ -51,6 +53,9 @@ SHOWS = 1.0  # nats that some band must gain over a stem that goes where OP send
 AGAIN = 4  # sizes that are asked again in all rows
 ASIDE = 0.1  # share by which sizes are changed to see how sure they are
 LEAST_LOSS, MOST_LOSS = 1.5, 80.0  # nats between which the losses of a bank tell how sure a size is
+
+
+Trial = tuple[dict[str, float], Hypothesis]  # sizes, and the law that has them
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,18 +76,19 @@ def fitted_stem(
     """
     one = one.of(replace(one.frame, draws=BETWEEN))
     few = FewStems(null, _without_band(one))
-    banks = sorted(_screened(few, one, without, fairly), key=lambda bank: bank.least)
+    first = _first(one, without)
+    banks = sorted(_screened(few, one, without, fairly, first), key=lambda bank: bank.least)
     # gains that know the path lose most of a stem that does not stick: no other is charged for it, but it may be one
     lost = 0.0 if one.cheap or not fairly else few.lost(one, FEW)
     near = [bank for bank in banks if bank.least + lost <= within]
-    fits = [_fitted_from(one, bank) for bank in (near if one.cheap else near[:1])]
+    fits = [_fitted_from(one, bank, first) for bank in (near if one.cheap else near[:1])]
     return min((fit for fit in fits if fit is not None), key=lambda fit: fit.nll, default=None)
 
 
-def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
+def _fitted_from(one: Hypothesis, bank: Bank, first: Sequence[Trial]) -> Fit | None:
     """Return the fit of a stem from first sizes with the noise and gains of a bank."""
     bank.count = STEMS
-    best = min(in_threads(lambda start: _refined(bank, start), _starts(bank)), key=nll_of, default=None)
+    best = _best_of(bank, STARTS if one.cheap else 1)
     if best is None:
         return None
     free = tuple(one.frame.free)
@@ -95,18 +101,38 @@ def _fitted_from(one: Hypothesis, bank: Bank) -> Fit | None:
         again = asked_with(bank, bank.shared, best)
         if again is None:
             return None
-        last, before = again, math.inf
+        last, before, factors = again, math.inf, FACTORS
         while last.least < before - MORE:  # the less is left to noise and loads, the sharper sizes show
             before = last.least
-            last = with_likelier_noise(last)
-            _refined(last, last.likeliest)
-            last = asked_with(last, last.shared, last.likeliest) or last
+            last = with_likelier_noise(last, factors)
+            _asked(last, first)
+            _best_of(last, 2)
+            last, factors = asked_with(last, last.shared, last.likeliest) or last, AFTER
         known = refined(known_stem(last.likeliest).filtered(last.shared), free, 0)
     _refined(last, last.likeliest)
     return _finished(last, known)
 
 
-def _screened(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool) -> list[Bank]:
+def _best_of(bank: Bank, starts: int) -> Innovations | None:
+    """Return the likeliest of what sizes near the best few starts leave; None if none can be."""
+    return min(in_threads(lambda start: _refined(bank, start), _starts(bank)[:starts]), key=nll_of, default=None)
+
+
+def _asked(bank: Bank, first: Sequence[Trial]) -> None:
+    """Try first sizes."""
+    in_threads(lambda trial: bank.tried(*trial), first)
+
+
+def _first(one: Hypothesis, without: Fit | None) -> list[Trial]:
+    """Return the sizes that are tried first, each with its law."""
+    pairs = _pairs(one) if len(one.own) > 1 and one.cheap else []
+    first = [(size, one) for size in [*(_bands(one) if without is None else _jumps(without, 0.5, ABOUT)), *pairs]]
+    if without is not None and behind_lag(one):
+        first += [(size, other_law(one)) for size in _jumps(without, 0.0, (1.0,))]
+    return first
+
+
+def _screened(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool, first: Sequence[Trial]) -> list[Bank]:
     """Return banks with trials of first sizes that show beside a stem that goes where OP sends it.
 
     A model without a stem may have taken it for noise, a load or another gain: what is stated is a start as well.
@@ -121,11 +147,8 @@ def _screened(few: FewStems, one: Hypothesis, without: Fit | None, fairly: bool)
     made = [with_path(one, shared, path, few if fairly and one.cheap else None, FEW) for shared in starts]
     banks = [bank for bank in made if bank is not None]
     still = [None if without is not None else bank.tried(_without_band(one)) for bank in banks]
-    pairs = _pairs(one) if len(one.own) > 1 and one.cheap else []
-    first = [(size, one) for size in [*(_bands(one) if without is None else _jumps(without, 0.5)), *pairs]]
-    if without is not None and behind_lag(one):
-        first += [(size, other_law(one)) for size in _jumps(without, 0.0)]
-    in_threads(lambda trial: trial[0].tried(*trial[1]), [(bank, trial) for bank in banks for trial in first])
+    for bank in banks:
+        _asked(bank, first)
     return [
         bank for bank, at_rest in zip(banks, still, strict=True)
         if bank.trials and (at_rest is None or bank.least < at_rest.nll - SHOWS)
@@ -149,10 +172,10 @@ def _without_band(one: Hypothesis) -> dict[str, float]:
     return {one.own[0]: NEARLY_NONE * low, **dict.fromkeys(one.own[1:], 0.0)}
 
 
-def _jumps(without: Fit, less: float) -> list[dict[str, float]]:
+def _jumps(without: Fit, less: float, about: Sequence[float]) -> list[dict[str, float]]:
     """Return the sizes of a stem that jumps that are tried first: a play for it has a band S - ``less`` J."""
     band = without.best.values[without.hypothesis.own[0]]
-    S = [(band * about / (1.0 - less * share), share) for share in SHARES for about in ABOUT]
+    S = [(band * near / (1.0 - less * share), share) for share in SHARES for near in about]
     return [{"S": band, "J": 0.0}, *({"S": size, "J": share * size} for size, share in S)]
 
 

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 SCHEMA = "stickslip.remedy/1"
 TRIAL = "This advice is new and was tested in simulation only: watch the loop for some hours before you keep a setting."
+STEPS = (
+    "SP step and load step: how long the tuning alone, without stick and noise, takes until PV is within 5 % of a "
+    "step. Mean off SP: how far PV stays from SP on average."
+)
 
 
 @click.command("remedy")
@@ -81,6 +85,7 @@ def tell(say: Speaker, advice: "Advice") -> None:
         say.paragraph(TRIAL)
     if advice.tried:
         say.table(advice.columns(), advice.rows())
+        say.paragraph(STEPS)
         say("Settings tried, the best of each:")
     for one in advice.tried:
         say.paragraph(f"{one.name}: {one.settings}", "  - ")
@@ -91,6 +96,8 @@ def headline(advice: "Advice") -> tuple[str, "Kind"]:
     from stickslip.detect.words import WORDS
 
     word, name = WORDS[advice.fit.verdict], advice.until_shutdown
+    if advice.fit.doubt:
+        return "NOTHING IS RECOMMENDED", word.kind
     if not advice.fit.sticks:
         return word.spoken.upper(), word.kind
     return (name or "nothing helps for sure until the shutdown").upper(), "bad" if name else "open"
@@ -101,6 +108,6 @@ def _page(advice: "Advice") -> str:
 
     first = Section("What to do", *headline(advice), " ".join(advice.words()))
     if advice.tried:
-        picture = captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %.")
+        picture = captioned(figure_to_svg(advice.plot()), f"Under the load that the record had; bars are 90 %. {STEPS}")
         first.figures += [picture, table_to_html(advice.columns(), advice.rows())]
     return page(f"{advice.fit.name or 'loop'}: what to do", "", [first, fit_section(advice.fit)])

@@ -19,5 +19,5 @@ def usable(loop: Prepared) -> bool:
 def not_earned(found: Evidence | None) -> str:
     """Return why the record does not clear the valve, but for what the evidence says in words; "" where it does."""
     if found is None:
-        return "Little speaks for stiction, but PV or OP is drawn or hardly there: no dead travel can be excluded."
+        return "Little speaks for stiction, but PV or OP is compressed, or has too few good rows, to exclude a stick."
     return "" if found.clears else "Little speaks for stiction, but clearing must be earned."
