@@ -190,6 +190,10 @@ class Block(ControlView):
     def with_role(self, role: str, **plays: str) -> Self:
         """Return a copy with another role, for a general block: which port is ``SP``, ``PV``, ``OP`` or ``MV``.
 
+        Roles: source, disturbance, controller, valve, process, sensor, filter, historian, detector, arithmetic
+        (``stickslip.blocks.role`` says what each does).  Effects of a gap go by them: a controller has SP, PV and OP;
+        a valve that reads more than OP, or gives more than MV, says which these are.
+
         Raises ``BlockError`` for a role that is none of ``Role``, a part that is none, or a port that is not there.
 
         >>> from stickslip.blocks import Equations

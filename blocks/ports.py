@@ -66,6 +66,12 @@ def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> lis
                 f"block '{block}' has two {side}s labelled '{label}'; labels of one block must differ: "
                 f"give the signal a second name with a Gain block"
             )
+        if "." in label:
+            plain = label.replace(".", "_")
+            raise BlockError(
+                f"block '{block}': {side} '{label}' has a dot, which no name in a diagram may have; call it '{plain}', "
+                f"and say --signal {plain}={label} (log.renamed in Python) where a log calls it so"
+            )
     return labels
 
 

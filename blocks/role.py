@@ -2,7 +2,7 @@
 
     source       gives a signal that stands or follows a plan: a set point, a feed, a pressure outside
     disturbance  gives a signal that nobody asked for: noise, slugs
-    controller   drives OP from SP and PV               valve      moves MV after OP (the stem, not the flow)
+    controller   drives OP from SP and PV               valve      moves MV after OP: a stem, or the flow
     process      what is controlled: vessels, pipes, machines, valve bodies, and any system that says no more
     sensor       measures                               filter     takes noise out of a measured signal
     detector     judges measured signals                historian  keeps them as a plant's archive does

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from stickslip.blocks import Equations, HeValve, Noise, SampledPI, SampledSensor, Sine, Staircase
+from stickslip.blocks.ports import BlockError
 from stickslip.diagram import Diagram, simulate, wire
 from stickslip.diagram.ensembles.variants import reseeded
 from stickslip.gap import diagnose
@@ -13,7 +14,6 @@ from stickslip.gap.insertion.effect import EffectError
 from stickslip.logs import Log
 
 STEMS = ("stiction", "deadband", "valve_saturation", "valve_rate_limit", "positioner_lag", "valve_gain")
-SPAN = "the travel of its flow is not known"
 
 
 def flow(OP, P, h):
@@ -47,7 +47,7 @@ def loop(role=True, stem=None) -> Diagram:
 def test_effects_of_a_stem_have_their_place_at_a_valve_that_reads_a_pressure():
     model = loop()
     assert {name: effect(name).places(model) for name in STEMS} == dict.fromkeys(STEMS, ("valve",))
-    assert effect("valve_leak").places(model) == effect("valve_characteristic").places(model) == (), SPAN
+    assert effect("valve_leak").places(model) == effect("valve_characteristic").places(model) == ()
     stuck = effect("stiction").insert(model, "valve", S=4.0, J=1.0)
     assert stuck["valve:stiction"].input_labels == ["OP"] and stuck["valve:stiction"].params["S"] == 4.0
 
@@ -67,3 +67,10 @@ def test_a_stick_before_such_a_valve_is_named():
     (cause,) = diagnose(loop(), log, catalogue=[effect(n) for n in (*STEMS, "process_gain", "sensor_bias")]).causes
     assert (cause.effect, cause.place) == ("stiction", "valve")
     assert cause.parameters["S"].value == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_dot_in_the_name_of_a_signal_is_refused_with_what_to_write():
+    with pytest.raises(
+        BlockError, match=r"input 'FIC\.PV' has a dot.*call it 'FIC_PV', and say --signal FIC_PV=FIC\.PV"
+    ):
+        SampledPI(1.0, 9.0, dt=1.0, inputs=["FIC_SP", "FIC.PV"])

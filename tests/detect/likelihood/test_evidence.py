@@ -139,7 +139,7 @@ def test_nothing_is_cleared_where_a_stick_beats_the_rivals_at_one_delay(number):
     found = Prepared(made.record).dead_travel
     assert found.excluded <= 0.2 * found.travel and found.bent <= 0.0  # all else would clear it
     assert found.unpaid > 0.0 and not found.clears
-    assert "at one delay a stem with dead travel of some size does" in said(found, percent=True)
+    assert "at one delay dead travel of some size fits PV better" in said(found, percent=True)
 
 
 def test_too_few_samples_say_nothing():
