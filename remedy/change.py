@@ -21,6 +21,7 @@ _OF = {  # its place, the logarithm of a ratio that counts (of a level, its move
     "disturbance": ("load", 0.6, "The load"),
     "sensor_drift": ("sensor", 1.0, "What OP it takes to hold PV, by the sensor or a load that stays,"),
 }
+KNOWN = 30.0  # times the low end of a ratio's interval, above which its high end says nothing
 PLACES = {effect: place for effect, (place, _, _) in _OF.items()}
 COUNTS = {effect: counts for effect, (_, counts, _) in _OF.items()}
 WORDS = {effect: words for effect, (_, _, words) in _OF.items()}
@@ -52,14 +53,20 @@ class Change:
     @property
     def unsure(self) -> bool:
         """Whether the likeliest ratio is one that counts, though the records are not sure enough to name it."""
-        ratio = self.ratio.value
-        return not self.changed and bool(ratio) and abs(math.log(ratio or 1.0)) > COUNTS[self.effect]
+        ratio = self.ratio.value if self._known else None
+        return not self.changed and ratio is not None and abs(math.log(ratio)) > COUNTS[self.effect]
+
+    @property
+    def _known(self) -> bool:
+        """Whether the interval of the ratio says anything."""
+        low, high = self.ratio.low, self.ratio.high
+        return low is not None and high is not None and high < KNOWN * low
 
     def row(self) -> list[str]:
         """It in a table: what, unit, earlier, later, ratio, and whether it has changed."""
-        ratio = str(self.ratio) if self.ratio.value is not None else ""
+        ratio = str(self.ratio) if self._known else ""
         said = "yes" if self.changed else "unsure" if self.unsure else "no"
-        return [self.effect, self.unit, str(self.earlier), str(self.later), ratio, said]
+        return [self.effect.replace("_", " "), self.unit, str(self.earlier), str(self.later), ratio, said]
 
     def words(self) -> str:
         """It in a sentence."""

@@ -201,11 +201,12 @@ def _read(fit: LoopFit, span: int) -> Controller:
 
 def _controller(effect: str, laws: Sequence[Controller], unit: str) -> Change | None:
     """The change of K_p or T_i; None where there is no integral."""
-    key = "K_p" if effect == "controller_gain" else "T_i"
-    values = [abs(float(getattr(law, key))) for law in laws]
+    key, at = ("K_p", 0) if effect == "controller_gain" else ("T_i", 1)
+    values = [abs(law.middle[at]) for law in laws]
     if not np.isfinite(values).all():
         return None
-    ends = [sorted(abs(end) for end in law.spread(key)) for law in laws]
+    scales = [value / abs(float(getattr(law, key))) for value, law in zip(values, laws, strict=True)]
+    ends = [sorted(scale * abs(end) for end in law.spread(key)) for scale, law in zip(scales, laws, strict=True)]
     shares = [(high - low) / (2.0 * Z90) / value for value, (low, high) in zip(values, ends, strict=True)]
     sizes = [Size(value, low, high) for value, (low, high) in zip(values, ends, strict=True)]
     by = math.log(values[1] / values[0])

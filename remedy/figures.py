@@ -76,7 +76,7 @@ def plot_advice(advice: Advice) -> Figure:
     t = axis.at(day.t[:n])
     for ax, (name, one) in zip(axes, names, strict=True):
         ax.plot(t[run], (one.outcome.pv - sp)[run], color=INK if name == "now" else COLOURS["PV"], lw=0.9)
-        ax.set_title(f"{name}: {np.median(one.outcome.pv_rms):.3g} {fit.pv_unit}", fontsize=9, loc="left")
+        ax.set_title(f"{name}: rms {np.median(one.outcome.pv_rms):.3g} {fit.pv_unit}", fontsize=9, loc="left")
         tidy(ax)
     axis.finish(axes[-1], float(day.t[run.start]), float(day.t[n - 1]))
     for ax in axes:

@@ -118,14 +118,10 @@ class LoopFit(Shown):
 
     @property
     def K_p(self) -> Size:
-        """Gain of the controller [unit of OP per unit of PV]: the middle of what both forms of its integral have.
-
-        The middle is also what a controller has that scans much faster than the log.
-        """
+        """Gain of the controller [unit of OP per unit of PV]: the middle of what both forms of its integral have."""
         low, high = self.controller.spread("K_p")
         share = self.controller.present[0] / self.controller.K_p
-        middle = 0.5 * (1.0 + share) * self.controller.K_p
-        return Size(middle, min(low, share * low), max(high, share * high))
+        return Size(self.controller.middle[0], min(low, share * low), max(high, share * high))
 
     @property
     def T_i(self) -> Size:
@@ -133,8 +129,7 @@ class LoopFit(Shown):
         if not math.isfinite(self.controller.T_i):
             return Size(None, None, None, "no integral action is seen")
         low, high = self.controller.spread("T_i")
-        less = self.controller.T_i - self.controller.present[1]
-        return Size(self.controller.T_i - 0.5 * less, low - less, high)
+        return Size(self.controller.middle[1], low + self.controller.present[1] - self.controller.T_i, high)
 
     @cached_property
     def S(self) -> Size:
