@@ -1,5 +1,6 @@
 """What the digits of a measurement show, which no likelihood of rows does: a coarse sensor, a compressing historian."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from stickslip.gap.effects.quantisation import Quantisation
 from stickslip.gap.effects.sensor_noise import SensorNoise
 from stickslip.gap.fits.digits import FEW, coarse, deviation, measured_by, straightened, unstated
 from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.paths import noise_of
 from stickslip.gap.likelihood.fit import Fit, refined, tried, unfitted
 from stickslip.gap.likelihood.frame import SEEN_FINER
 from stickslip.gap.likelihood.hypothesis import Hypothesis
@@ -21,6 +23,7 @@ from stickslip.gap.records.offsets import offsets
 from stickslip.gap.records.record import rounding
 from stickslip.logs.normal import OF_SIZES
 
+NOISIER = 2.0  # times the noise that levels and the stated noise make, beyond which something else is wrong
 IN_ACCORD, MOST = 0.3, 0.8  # of the usual size: so small are most residuals that no rounding of the log has made
 LATTICE_RUNS = 6  # of the model, which tell how much is usual
 MORE_LIKELY = 10.0  # nats by which the controller has to have seen the steps, if the log may have made them
@@ -72,12 +75,21 @@ def _coarse(null: Fit, alone: Verdict, effect: Effect, place: str, seed: int) ->
     if start is None:
         return None
     fit = refined(start, free_names(start.hypothesis))
+    if fit.best.values.get("factor", 1.0) > most_noise(start.hypothesis, step):
+        return None
     found = _as(fit, Hypothesis(f, effect, place), {"step": step})
     stated = {key: size for key, size in f.stated.items() if key.endswith(".sd")}  # levels are not noise as well
     made = found.hypothesis.model({**found.best.values, **stated})
     if fit.nll > null.nll - MORE_LIKELY or not enough(fit, judged(fit, [], seed, null, made), alone, null):
         return None
     return found
+
+
+def most_noise(noisier: Hypothesis, step: float) -> float:
+    """Return the factor on a sensor's noise up to which levels may stand for it: those of a step add step/sqrt(12)."""
+    source = noise_of(noisier.frame.model, noisier.frame.model[noisier.place])
+    sd = noisier.frame.model[source].params["sd"] if source else 0.0
+    return NOISIER * math.hypot(1.0, step / math.sqrt(12.0) / sd) if sd > 0.0 else math.inf
 
 
 def _seen(f: Replays, signal: str, seed: int) -> bool:

@@ -38,13 +38,13 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 )
 @click.option(
     "--simulate/--no-simulate", default=None,
-    help="Show beside the verdict what 2,000 loops simulated like this record say, about 6 s; by default where the "
+    help="Show beside the verdict what 2,000 loops simulated like this record say, 6 to 20 s; by default where the "
     "model is unsure. The verdict stays.",
 )  # fmt: skip
 @click.option(
     "--remedy",
     is_flag=True,
-    help="Of a valve that sticks, say what to do until the shutdown: fit the loop and try each remedy, some 20 s.",
+    help="Of a valve that sticks, say what to do until the shutdown: fit the loop and try each remedy, 20 to 60 s.",
 )
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
@@ -140,7 +140,7 @@ def _simulated(diagnosis: "Diagnosis") -> "AtRecord | str":
     if diagnosis.probability is None:
         return "not run, because the calibrated model was not run either"
     if sys.stderr.isatty():
-        click.echo(f"Simulating {LOOPS} loops like this record: some 6 s on two idle cores ...", err=True)
+        click.echo(f"Simulating {LOOPS} loops like this record: 6 to 20 s on two cores ...", err=True)
     try:
         return at_record(diagnosis.record)
     except ValueError as error:

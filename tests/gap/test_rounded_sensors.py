@@ -6,6 +6,7 @@ from stickslip.blocks import Equations, FirstOrder, Noise, SampledPI, SampledPID
 from stickslip.diagram import wire
 from stickslip.gap.diagnosis import held_against
 from stickslip.gap.effects import effect
+from stickslip.gap.likelihood.digits import most_noise
 from stickslip.gap.likelihood.hypothesis import Hypothesis
 from stickslip.gap.likelihood.search import model_alone
 from stickslip.gap.likelihood.stems import _range
@@ -121,3 +122,11 @@ def test_an_output_is_wrong_by_itself_only_beside_measurements_that_are_right():
     assert abnormal_segment(frame, left * np.sqrt([0.55, 1.0]), several=True) == ("controller",)
     too_small = left * np.sqrt([0.35, 0.1735])  # 0.7 and 1.04: noise that was fitted too large
     assert "process" in abnormal_segment(frame, too_small)
+
+
+def test_levels_stand_for_no_more_noise_than_they_make():
+    # a valve that leaks by 7 % in a letdown station was a coarse sensor at 95 %, with 20 times the stated noise
+    frame = held_against(model(step=0.005), every_second_scan(60))
+    noisier = Hypothesis(frame, effect("sensor_noise"), "sensor")
+    assert most_noise(noisier, 0.02) == pytest.approx(2.0 * np.hypot(1.0, 0.02 / np.sqrt(12.0) / SD))  # analytic
+    assert most_noise(noisier, 20.0 * SD) > 10.0 and most_noise(noisier, 0.0) == 2.0
