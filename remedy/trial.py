@@ -56,14 +56,14 @@ NOTHING = Setting("as it is", {})
 class Outcome:
     """What a setting gives on each loop, (loops,): standard deviations of SP - PV and OP, travel, reversals.
 
-    pv_rms : root mean square of SP - PV, which a lasting offset adds to [unit of PV]
+    pv_offset : how far the mean of PV stays from that of SP [unit of PV]
     travel [unit of OP per h], reversals [1/h];  all inf where PV runs away;  pv, op : (n,) of the first loop, for
     pictures
     """
 
     setting: Setting
     pv_sd: Floats
-    pv_rms: Floats
+    pv_offset: Floats
     op_sd: Floats
     travel: Floats
     reversals: Floats
@@ -71,11 +71,9 @@ class Outcome:
     op: Floats
 
     @property
-    def pv_offset(self) -> Floats:
-        """How far the mean of PV stays from that of SP [unit of PV]."""
-        stays = np.isfinite(self.pv_rms)
-        apart = np.sqrt(np.maximum(np.where(stays, self.pv_rms, 0.0) ** 2 - np.where(stays, self.pv_sd, 0.0) ** 2, 0.0))
-        return np.where(stays, apart, math.inf)
+    def pv_rms(self) -> Floats:
+        """Root mean square of SP - PV, which a lasting offset adds to [unit of PV]."""
+        return np.hypot(self.pv_sd, self.pv_offset)
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -175,16 +173,16 @@ def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 16) -> list
     found = _run(fit, [fit.loops[i] for i in at], settings, [loads[i] for i in at], sp, start, fit.begun[at])
     made = []
     for setting, pv, op, stem in zip(settings, found["PV"], found["OP"], found["MV"], strict=True):
+        e = (sp - pv)[:, first:]
         values = (
-            sd := np.std((sp - pv)[:, first:], axis=1), np.hypot(sd, np.mean((sp - pv)[:, first:], axis=1)),
-            np.std(op[:, first:], axis=1),
+            np.std(e, axis=1), np.abs(np.mean(e, axis=1)), np.std(op[:, first:], axis=1),
             np.sum(np.abs(np.diff(stem[:, first:], axis=1)), axis=1) / hours,
             np.array([_reversals(own[first:]) / hours for own in stem]),
         )  # fmt: skip
         stays = np.max(np.abs(pv), axis=1) < ends
-        sd, rms, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
+        sd, offset, op_sd, travel, turns = (np.where(stays, own, math.inf) for own in values)
         pv_0, op_0 = base + (0.0 if stays[0] else math.nan), float(day.op[0])
-        made.append(Outcome(setting, sd, rms, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
+        made.append(Outcome(setting, sd, offset, op_sd, travel, turns, pv[0] + pv_0, op[0] + op_0))
     return made
 
 

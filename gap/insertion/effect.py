@@ -179,7 +179,7 @@ class Effect:
         """
         known = self.places(diagram)
         if place not in known:
-            where = nearest(place, known) if known else self._nowhere(diagram)
+            where = nearest(place, known) if known else self.nowhere(diagram)
             raise EffectError(f"{self.name} cannot be at '{place}'; {where}")
         full = {**self.nominal(diagram, place), **self._numbers(values)}
         wrong = self.rules(diagram, place, full)
@@ -187,11 +187,8 @@ class Effect:
             raise EffectError(f"{self.name} at '{place}': {wrong}")
         return full
 
-    def _nowhere(self, diagram: Diagram) -> str:
+    def nowhere(self, diagram: Diagram) -> str:
         """Return why no place fits, and what to do."""
-        mine = [b.name for b in diagram.blocks if b.role is self.role and ":" not in b.name]
-        if self.role is Role.VALVE and mine:
-            return f"it is not clear what moves '{mine[0]}'; say .with_role(\"valve\", OP=its input, MV=its output)"
         return f"the diagram has no {self.role} where it could be"
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, float]:

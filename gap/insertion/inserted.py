@@ -36,12 +36,16 @@ class Inserted(Effect):
         """Return whether one signal goes in or out where the effect lies, and somebody uses it."""
         if self.where == "before":
             return self.enters(diagram, block) is not None
-        if self.role is Role.VALVE:
-            if command(block) is None or (len(block.output_labels) != 1 and block.loop_signal("MV") is None):
-                return False
-        elif len(block.output_labels) != 1:
+        if not (_clear(block) if self.role is Role.VALVE else len(block.output_labels) == 1):
             return False
         return self.where == "at" or bool(users(diagram, given(diagram, block.name)))
+
+    def nowhere(self, diagram: Diagram) -> str:
+        """Return why no place fits, and what to do: of a valve, that nothing says which signal moves it."""
+        valves = [b for b in diagram.blocks if b.role is self.role is Role.VALVE and not _clear(b)]
+        if not valves:
+            return super().nowhere(diagram)
+        return f"it is not clear what moves '{valves[0].name}'; say .with_role(\"valve\", OP=its input, MV=its output)"
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with the block of the effect."""
@@ -65,6 +69,11 @@ class Inserted(Effect):
         key = f"{own.name}.{self.state}"
         now = float(own.x0[own.state_names.index(self.state)]) if self.state in own.state_names else 0.0
         return diagram.starting_at({key: known_first(first, map(str, near), now)})
+
+
+def _clear(valve: Block) -> bool:
+    """Return whether it is said which signal moves a valve, and what it gives."""
+    return command(valve) is not None and (len(valve.output_labels) == 1 or valve.loop_signal("MV") is not None)
 
 
 def percent_in(diagram: Diagram, place: str) -> float:

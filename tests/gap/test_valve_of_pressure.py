@@ -55,6 +55,10 @@ def test_effects_of_a_stem_have_their_place_at_a_valve_that_reads_a_pressure():
 def test_a_valve_that_says_not_what_moves_it_is_named_with_the_remedy():
     with pytest.raises(EffectError, match=r"not clear what moves 'valve'; say \.with_role\(\"valve\", OP="):
         effect("stiction").insert(loop(role=False), "valve", S=4.0)
+    with pytest.raises(
+        EffectError, match="has no valve where it could be"
+    ):  # what moves it is said; its full flow is not
+        effect("valve_leak").insert(loop(), "valve", flow=4.0)
 
 
 def test_a_stick_before_such_a_valve_is_named():
